@@ -1,0 +1,49 @@
+# mien_module(name SOURCES ... HEADERS ... DEPENDS rooms ... LINK private-libraries ...)
+# One room: include/mien/<name>/ is its own include root, so a room that is not in DEPENDS cannot be included.
+# mien_room_test(name SOURCES ... LINK ...): the room's GoogleTest program, mien_<name>_test.
+
+# Flags of every target of ours; never of a dependency.
+function(mien_target_flags target)
+  target_compile_features(${target} PUBLIC cxx_std_20)
+  target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
+                                           -ffp-contract=off)
+  if(MIEN_WERROR)
+    target_compile_options(${target} PRIVATE -Werror)
+  endif()
+  if(MIEN_SANITIZE STREQUAL "address")
+    target_compile_options(${target} PRIVATE -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer)
+    target_link_options(${target} PUBLIC -fsanitize=address,undefined)
+  elseif(MIEN_SANITIZE STREQUAL "thread")
+    target_compile_options(${target} PRIVATE -fsanitize=thread)
+    target_link_options(${target} PUBLIC -fsanitize=thread)
+  endif()
+endfunction()
+
+function(mien_module name)
+  cmake_parse_arguments(M "" "" "SOURCES;HEADERS;DEPENDS;LINK" ${ARGN})
+  add_library(mien_${name} STATIC ${M_SOURCES})
+  add_library(mien::${name} ALIAS mien_${name})
+  list(TRANSFORM M_HEADERS PREPEND include/mien/${name}/)
+  target_sources(mien_${name} PUBLIC FILE_SET HEADERS BASE_DIRS include FILES ${M_HEADERS})
+  mien_target_flags(mien_${name})
+  list(TRANSFORM M_DEPENDS PREPEND mien::)
+  target_link_libraries(mien_${name} PUBLIC ${M_DEPENDS} PRIVATE ${M_LINK})
+  set_target_properties(mien_${name} PROPERTIES EXPORT_NAME ${name} VERIFY_INTERFACE_HEADER_SETS ON)
+  if(MIEN_INSTALL)
+    install(TARGETS mien_${name} EXPORT mienTargets FILE_SET HEADERS)
+  endif()
+endfunction()
+
+function(mien_room_test name)
+  if(NOT MIEN_TESTS)
+    return()
+  endif()
+  cmake_parse_arguments(T "" "" "SOURCES;LINK" ${ARGN})
+  add_executable(mien_${name}_test ${T_SOURCES})
+  mien_target_flags(mien_${name}_test)
+  target_link_libraries(mien_${name}_test PRIVATE mien::${name} ${T_LINK} GTest::gmock GTest::gtest_main)
+  # MIEN_SHARED_DIR: recordings, faces and fixtures beside the project. Tests that need an absent file are skipped by name.
+  target_compile_definitions(mien_${name}_test PRIVATE
+    MIEN_SHARED_DIR="${PROJECT_SOURCE_DIR}/../shared" MIEN_TEST_DATA_DIR="${PROJECT_SOURCE_DIR}/tests/data")
+  gtest_discover_tests(mien_${name}_test TEST_PREFIX ${name}. DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 600)
+endfunction()

@@ -1,0 +1,42 @@
+#pragma once
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string_view>
+
+#include "mien/base/bytes.h"
+#include "mien/base/result.h"
+
+namespace mien {
+
+/// Whole content of a file. Errors (Errc::input): missing, a directory, unreadable.
+Result<Bytes> read_file(const std::filesystem::path& path);
+
+/// A file that appears under its name only when complete: bytes go to a temporary name in the same folder, commit()
+/// renames it. Destroyed without commit, it leaves nothing behind.
+class AtomicFile {
+ public:
+  /// Errors (Errc::failed): the folder is missing or cannot be written.
+  static Result<AtomicFile> create(const std::filesystem::path& path);
+  AtomicFile(AtomicFile&&) noexcept;
+  AtomicFile& operator=(AtomicFile&&) noexcept;
+  ~AtomicFile();
+
+  /// Errors (Errc::failed): e.g. the disk is full.
+  Status write(std::span<const std::byte> bytes);
+  Status commit();
+  /// Name to hand to a library that writes by itself; it must be closed before commit().
+  [[nodiscard]] const std::filesystem::path& temporary_path() const;
+
+ private:
+  struct State;
+  explicit AtomicFile(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+/// create + write + commit.
+Status write_file(const std::filesystem::path& path, std::span<const std::byte> bytes);
+Status write_file(const std::filesystem::path& path, std::string_view text);
+
+}  // namespace mien

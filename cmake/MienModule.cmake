@@ -7,6 +7,9 @@ function(mien_target_flags target)
   target_compile_features(${target} PUBLIC cxx_std_20)
   target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
                                            -ffp-contract=off)
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
+    target_compile_options(${target} PRIVATE -Wno-restrict)  # false alarms on "literal" + std::string, GCC bug 105651
+  endif()
   if(MIEN_WERROR)
     target_compile_options(${target} PRIVATE -Werror)
   endif()

@@ -194,6 +194,7 @@ Take draw_take(const Utterance& utterance, const Speaker& speaker, Emotion emoti
   parts.head = draw_head(speaker, utterance, parts.gaze, head);
 
   Take take;
+  take.latents = {static_cast<float>(z0), static_cast<float>(z1), static_cast<float>(z2)};
   take.without_blinks = assemble(parts, speaker);
   take.blinks = draw_blinks({.blinks_per_minute = speaker.blinks_per_minute *
                                                   scaled_gain(emotion_gains(emotion).blink_rate, intensity),

@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <cstdint>
 #include <string_view>
 #include <vector>
@@ -17,6 +18,8 @@ struct Take {
   Motion motion;          ///< the whole performance: apply_blinks(without_blinks, blinks), bit for bit
   Motion without_blinks;  ///< the same with the lids where gaze and emotion leave them
   std::vector<BlinkEvent> blinks;  ///< in time order
+  /// z0 strength of the jaw, z1 of lips and rounding, z2 of the expression: N(0, 1). What a model of takes can be told.
+  std::array<float, 3> latents{};
 };
 
 /// Draws a take of num_motion_frames(utterance.seconds, 60) frames. The articulation, gaze, brows, head,

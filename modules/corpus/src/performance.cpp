@@ -2,12 +2,15 @@
 
 #include <algorithm>
 
+#include "mien/base/contract.h"
+#include "mien/corpus/closure.h"
+
 namespace mien {
 
 TimeSpan default_closure(const PhoneSegment& segment) {
-  const double d = segment.seconds();
-  const double tail = is_bilabial_stop(segment.label) ? 0.25 : 0.12;
-  return {segment.start_s + 0.08 * d, segment.end_s - tail * d};
+  const auto window = closure_window(PhoneSource::statistical, segment, segment.start_s);
+  contract(window.has_value(), "default_closure: not a bilabial: " + segment.label);
+  return *window;
 }
 
 std::vector<TimeSpan> pauses_of(const Utterance& utterance) {

@@ -65,7 +65,8 @@ TEST(RunningLevel, RefusesWhatWouldPoisonIt) {
   RunningLevel running;
   EXPECT_THROW(running.push(flat(std::numeric_limits<float>::quiet_NaN())), std::logic_error);
   EXPECT_THROW(running.push(flat(std::numeric_limits<float>::infinity())), std::logic_error);
-  EXPECT_THROW(running_levels(Features{.values = {1.0f}, .width = 1, .frame_rate_hz = 100}), std::logic_error);
+  EXPECT_THROW(running_levels(Features{.values = {1.0f}, .width = 1, .frame_rate_hz = 100}),
+               std::logic_error);
 }
 
 TEST(NormaliseMel, IsTheFormulaOfTheSpecification) {

@@ -1,0 +1,29 @@
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace mien {
+
+/// Band-limited, linear-phase change of the sample rate to 16 kHz, in a stream. Sample n of the output lies
+/// at the same time as position n * input_rate / 16000 of the input.
+class Resampler {
+ public:
+  /// @param input_rate_hz  1000 ... 768000 (checked by the readers)
+  explicit Resampler(int input_rate_hz);
+  Resampler(Resampler&&) noexcept;
+  Resampler& operator=(Resampler&&) noexcept;
+  ~Resampler();
+
+  /// Appends to `out` what became known.
+  void push(std::span<const float> in, std::vector<float>& out);
+  /// Appends the rest: ceil(16000 N / rate) samples in all for N pushed ones.
+  void finish(std::vector<float>& out);
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace mien

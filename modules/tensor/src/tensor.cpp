@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "mien/base/contract.h"
+#include "require.h"
 
 namespace mien {
 namespace {
@@ -38,12 +39,12 @@ Tensor Tensor::uninitialized(Shape shape) {
 Tensor::Tensor(Shape shape) : Tensor(uninitialized(std::move(shape))) { std::fill_n(data(), count_, 0.0f); }
 
 Tensor::Tensor(Shape shape, std::span<const float> values) : Tensor(uninitialized(std::move(shape))) {
-  contract(static_cast<std::int64_t>(values.size()) == count_,
-           "Tensor: values do not fill the shape " + shape_text(shape_));
+  require(static_cast<std::int64_t>(values.size()) == count_,
+          [&] { return "Tensor: values do not fill the shape " + shape_text(shape_); });
   std::ranges::copy(values, data());
 }
 
-Tensor::Tensor(const Tensor& other) : Tensor(other.shape_, other.values()) {}
+Tensor::Tensor(const Tensor& other) : Tensor(other.shape(), other.values()) {}
 
 Tensor& Tensor::operator=(const Tensor& other) {
   if (this != &other) *this = Tensor(other);
@@ -53,7 +54,6 @@ Tensor& Tensor::operator=(const Tensor& other) {
 Tensor::Tensor(Tensor&& other) noexcept
     : shape_(std::move(other.shape_)), count_(std::exchange(other.count_, 0)), data_(std::move(other.data_)) {
   other.shape_.clear();
-  other.shape_.push_back(0);
 }
 
 Tensor& Tensor::operator=(Tensor&& other) noexcept {
@@ -63,9 +63,14 @@ Tensor& Tensor::operator=(Tensor&& other) noexcept {
   return *this;
 }
 
+const Shape& Tensor::shape() const {
+  static const Shape none{0};
+  return shape_.empty() && count_ == 0 ? none : shape_;
+}
+
 std::int64_t Tensor::size(std::int64_t axis) const {
   contract(axis >= -rank() && axis < rank(), "Tensor::size: no such axis");
-  return shape_[static_cast<std::size_t>(axis < 0 ? axis + rank() : axis)];
+  return shape()[static_cast<std::size_t>(axis < 0 ? axis + rank() : axis)];
 }
 
 std::int64_t Tensor::num_rows() const {
@@ -87,8 +92,9 @@ std::span<const float> Tensor::row(std::int64_t index) const {
 Tensor Tensor::reshaped(Shape shape) const& { return Tensor(*this).reshaped(std::move(shape)); }
 
 Tensor Tensor::reshaped(Shape shape) && {
-  contract(product(shape) == count_,
-           "Tensor::reshaped: " + shape_text(shape_) + " does not fit into " + shape_text(shape));
+  require(product(shape) == count_, [&] {
+    return "Tensor::reshaped: " + shape_text(this->shape()) + " does not fit into " + shape_text(shape);
+  });
   Tensor t = std::move(*this);
   t.shape_ = std::move(shape);
   return t;

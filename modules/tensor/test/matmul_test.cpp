@@ -11,6 +11,10 @@
 #include "rowwise_dispatch.h"
 
 namespace mien {
+
+// Found by the type's namespace: names of tests say "eigen", not bytes.
+static void PrintTo(Backend backend, std::ostream* out) { *out << backend_name(backend); }
+
 namespace {
 
 std::vector<float> random_values(std::int64_t count, std::uint64_t seed) {

@@ -27,7 +27,7 @@ struct View {
 /// count the rows.
 class Tensor {
  public:
-  Tensor() : shape_{0} {}
+  Tensor() = default;  ///< shape [0]
   /// Zeros. @pre no negative size
   explicit Tensor(Shape shape);
   /// @pre values.size() is the product of the shape
@@ -41,13 +41,13 @@ class Tensor {
   Tensor& operator=(Tensor&& other) noexcept;
   ~Tensor() = default;
 
-  [[nodiscard]] const Shape& shape() const { return shape_; }
-  [[nodiscard]] std::int64_t rank() const { return static_cast<std::int64_t>(shape_.size()); }
+  [[nodiscard]] const Shape& shape() const;
+  [[nodiscard]] std::int64_t rank() const { return static_cast<std::int64_t>(shape().size()); }
   /// Size of an axis; -1 is the last. @pre -rank <= axis < rank
   [[nodiscard]] std::int64_t size(std::int64_t axis) const;
   [[nodiscard]] std::int64_t count() const { return count_; }
   /// Length of the last axis; 1 for the shape [].
-  [[nodiscard]] std::int64_t width() const { return shape_.empty() ? 1 : shape_.back(); }
+  [[nodiscard]] std::int64_t width() const { return shape_.empty() ? count_ : shape_.back(); }
   /// Product of all axes but the last, also when the width is 0.
   [[nodiscard]] std::int64_t num_rows() const;
 
@@ -65,7 +65,7 @@ class Tensor {
   [[nodiscard]] Tensor reshaped(Shape shape) &&;
 
  private:
-  Shape shape_;
+  Shape shape_;  ///< empty also for the tensor without values, so that making and moving one is free
   std::int64_t count_ = 0;
   AlignedFloats data_;
 };

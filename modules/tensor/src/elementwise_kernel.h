@@ -1,0 +1,170 @@
+#pragma once
+// Included once by each elementwise_<instruction set>.cpp after it has defined kWidth, the floats of a
+// register. Internal linkage only, nothing from the standard library: see rowwise_kernel.h.
+#include "elementwise.h"
+
+namespace mien::elementwise {
+namespace {
+
+typedef float Floats __attribute__((vector_size(kWidth * 4)));
+typedef std::int32_t Ints __attribute__((vector_size(kWidth * 4)));
+
+inline Floats all(float value) { return value - Floats{}; }
+inline Floats load(const float* p) {
+  Floats v;
+  __builtin_memcpy(&v, p, sizeof v);
+  return v;
+}
+inline void store(float* p, Floats v) { __builtin_memcpy(p, &v, sizeof v); }
+inline Floats absolute(Floats x) { return (Floats)((Ints)x & 0x7fffffff); }
+/// `magnitude` (not negative) with the sign of x.
+inline Floats with_sign(Floats magnitude, Floats x) {
+  return (Floats)((Ints)magnitude | ((Ints)x & (Ints)all(-0.0f)));
+}
+
+/// e^x to 1 ulp, 0 and infinity beyond the range of float. e^x = 2^n e^r with |r| <= ln(2) / 2 and
+/// e^r = 1 + r + r^2 P(r), P a minimax polynomial (relative error 3e-9).
+inline Floats exp_of(Floats x) {
+  x = x > 89.0f ? all(89.0f) : x;  // NaN passes: comparisons with it are false
+  x = x < -104.0f ? all(-104.0f) : x;
+  // Adding 1.5 * 2^23 rounds to an integer and leaves it in the low bits.
+  const Floats shifted = x * 1.44269504f + 12582912.0f;
+  const Floats n = shifted - 12582912.0f;
+  const Ints exponent = (Ints)shifted - 0x4b400000;
+  const Floats r =
+      (x - n * 0.693359375f) - n * -2.12194440e-4f;  // ln(2) in two parts; n times the first is exact
+  Floats p = r * 1.38146132255e-3f + 8.36871700075e-3f;
+  p = p * r + 4.16683877825e-2f;
+  p = p * r + 1.66665206305e-1f;
+  p = p * r + 4.99999934489e-1f;
+  const Floats e = (p * (r * r) + r) + 1.0f;
+  const Ints half = exponent >> 1;  // 2^n in two factors: n may be below or above the exponents of float
+  return e * (Floats)((half + 127) << 23) * (Floats)((exponent - half + 127) << 23);
+}
+
+struct Exp {
+  static Floats apply(Floats x) { return exp_of(x); }
+};
+struct Sigmoid {
+  static Floats apply(Floats x) { return 1.0f / (1.0f + exp_of(-x)); }
+};
+struct Silu {
+  static Floats apply(Floats x) { return x / (1.0f + exp_of(-x)); }
+};
+struct Relu {
+  static Floats apply(Floats x) { return x < 0.0f ? all(0.0f) : x; }
+};
+/// Relative error below 2e-7: an odd minimax polynomial near 0, exponentials elsewhere.
+struct Tanh {
+  static Floats apply(Floats x) {
+    const Floats a = absolute(x);
+    const Floats u = x * x;
+    Floats p = u * -5.71704274294e-3f + 2.06505852537e-2f;
+    p = p * u + -5.37434975197e-2f;
+    p = p * u + 1.33314912830e-1f;
+    p = p * u + -3.33332839255e-1f;
+    const Floats near = p * u * x + x;
+    const Floats far = with_sign(1.0f - 2.0f / (exp_of(a + a) + 1.0f), x);
+    return a < 0.625f ? near : far;
+  }
+};
+/// x / 2 * (1 + erf(x / sqrt(2))), the exact form. erf is 1 - t P(t) e^(-a^2) with t = 1 / (1 + 0.45 a), P a
+/// minimax polynomial (1e-9); its absolute error here is below 3e-7.
+struct Gelu {
+  static Floats apply(Floats x) {
+    const Floats a = absolute(x) * 0.707106781f;
+    const Floats t = 1.0f / (1.0f + a * 0.45f);
+    Floats p = t * 9.25698112229e-2f + -4.94105129971e-1f;
+    p = p * t + 8.57169351064e-1f;
+    p = p * t + -3.75804416261e-1f;
+    p = p * t + 4.60171560075e-1f;
+    p = p * t + 2.01009101231e-1f;
+    p = p * t + 2.58989723688e-1f;
+    const Floats tail = p * t * exp_of(-(a * a));  // erfc(a)
+    // 1 + erf is erfc(a) on the left: no cancellation there.
+    return 0.5f * x * (x < 0.0f ? tail : 2.0f - tail);
+  }
+};
+
+/// The last, partial register goes through the same code as the others.
+template <class F>
+void map(const float* in, float* out, std::int64_t count) {
+  std::int64_t i = 0;
+  for (; i + kWidth <= count; i += kWidth) store(out + i, F::apply(load(in + i)));
+  if (i == count) return;
+  float rest[kWidth] = {};
+  for (std::int64_t k = i; k < count; ++k) rest[k - i] = in[k];
+  store(rest, F::apply(load(rest)));
+  for (std::int64_t k = i; k < count; ++k) out[k] = rest[k - i];
+}
+
+/// Sum of value(i) for i < count in double, in an order that depends on `count` alone: 8 interleaved partial
+/// sums.
+template <class Value>
+double ordered_sum(std::int64_t count, Value&& value) {
+  double s[8] = {};
+  std::int64_t i = 0;
+  for (; i + 8 <= count; i += 8)
+    for (int k = 0; k < 8; ++k) s[k] += value(i + k);
+  for (int k = 0; i < count; ++i, ++k) s[k] += value(i);
+  return ((s[0] + s[4]) + (s[2] + s[6])) + ((s[1] + s[5]) + (s[3] + s[7]));
+}
+
+void layer_norm_row(const float* in, const float* gamma, const float* beta, double eps, std::int64_t width,
+                    float* out) {
+  const auto n = static_cast<double>(width);
+  const double mean = ordered_sum(width, [&](std::int64_t i) { return static_cast<double>(in[i]); }) / n;
+  const double variance = ordered_sum(width,
+                                      [&](std::int64_t i) {
+                                        const double d = static_cast<double>(in[i]) - mean;
+                                        return d * d;
+                                      }) /
+                          n;
+  const double scale = 1.0 / __builtin_sqrt(variance + eps);
+  for (std::int64_t i = 0; i < width; ++i)
+    out[i] = static_cast<float>((static_cast<double>(in[i]) - mean) * scale) * gamma[i] + beta[i];
+}
+
+void softmax_row(const float* in, std::int64_t width, float* out) {
+  if (width == 0) return;
+  float largest = in[0];
+  for (std::int64_t i = 1; i < width; ++i) largest = in[i] > largest ? in[i] : largest;
+  for (std::int64_t i = 0; i < width; ++i) out[i] = in[i] - largest;
+  map<Exp>(out, out, width);
+  const auto sum =
+      static_cast<float>(ordered_sum(width, [&](std::int64_t i) { return static_cast<double>(out[i]); }));
+  for (std::int64_t i = 0; i < width; ++i) out[i] /= sum;
+}
+
+inline Floats gru(Floats ri, Floats zi, Floats ni, Floats rh, Floats zh, Floats nh, Floats h) {
+  const Floats r = Sigmoid::apply(ri + rh);
+  const Floats z = Sigmoid::apply(zi + zh);
+  const Floats n = Tanh::apply(ni + r * nh);
+  return n + z * (h - n);
+}
+
+void gru_row(const float* gi, const float* gh, const float* h, std::int64_t width, float* out) {
+  const float *zi = gi + width, *ni = zi + width, *zh = gh + width, *nh = zh + width;
+  std::int64_t i = 0;
+  for (; i + kWidth <= width; i += kWidth)
+    store(out + i, gru(load(gi + i), load(zi + i), load(ni + i), load(gh + i), load(zh + i), load(nh + i),
+                       load(h + i)));
+  if (i == width) return;
+  float rest[7][kWidth] = {};
+  const float* from[7] = {gi, zi, ni, gh, zh, nh, h};
+  for (int s = 0; s < 7; ++s)
+    for (std::int64_t k = i; k < width; ++k) rest[s][k - i] = from[s][k];
+  store(rest[0], gru(load(rest[0]), load(rest[1]), load(rest[2]), load(rest[3]), load(rest[4]), load(rest[5]),
+                     load(rest[6])));
+  for (std::int64_t k = i; k < width; ++k) out[k] = rest[0][k - i];
+}
+
+Kernels kernels() {
+  return {{map<Exp>, map<Sigmoid>, map<Tanh>, map<Silu>, map<Gelu>, map<Relu>},
+          layer_norm_row,
+          softmax_row,
+          gru_row};
+}
+
+}  // namespace
+}  // namespace mien::elementwise

@@ -226,6 +226,22 @@ Motion default_performance(const Utterance& utterance) {
   return plain_performance(utterance, Speaker{}, Emotion::neutral, 1);
 }
 
+Motion mean_performance(const Utterance& utterance, const Speaker& speaker, Emotion emotion, double intensity,
+                        std::uint64_t seed, int count) {
+  contract(count > 0, "mean_performance: count must be positive");
+  Motion mean;
+  std::vector<double> sum;
+  for (int i = 0; i < count; ++i) {
+    Take take =
+        draw_take(utterance, speaker, emotion, intensity, hash_combine(seed, static_cast<std::uint64_t>(i)));
+    sum.resize(take.motion.values.size());
+    for (std::size_t v = 0; v < sum.size(); ++v) sum[v] += take.motion.values[v];
+    mean = std::move(take.motion);
+  }
+  for (std::size_t v = 0; v < sum.size(); ++v) mean.values[v] = static_cast<float>(sum[v] / count);
+  return mean;
+}
+
 std::uint64_t take_seed(std::uint64_t corpus_seed, std::string_view item_id, std::uint64_t take_index) {
   return hash_combine(hash64(item_id, corpus_seed), take_index);
 }

@@ -17,8 +17,8 @@ struct TimeSpan {
 struct PhoneSegment {
   double start_s = 0;
   double end_s = 0;
-  std::string label;  ///< as the engine calls it
-  Visemes visemes;
+  std::string label = {};  ///< as the engine calls it
+  Visemes visemes = {};
   double prominence = 1;  ///< gain of the jaw opening of a vowel, 0.75 ... 1.25 (section 4.4)
   std::optional<TimeSpan> closure =
       std::nullopt;  ///< of p, b, m; see default_closure when the source has none
@@ -30,9 +30,9 @@ struct PhoneSegment {
 
 /// What is said, when: everything the curves depend on besides speaker, emotion and chance.
 struct Utterance {
-  std::vector<PhoneSegment> phones;  ///< in time order; time without a phone counts as a pause
-  std::vector<double> accents_s;     ///< instants of the accented vowels
-  double seconds = 0;                ///< of the sound, padding included
+  std::vector<PhoneSegment> phones = {};  ///< in time order; time without a phone counts as a pause
+  std::vector<double> accents_s = {};     ///< instants of the accented vowels
+  double seconds = 0;                     ///< of the sound, padding included
   bool is_question = false;
 };
 

@@ -18,7 +18,8 @@ struct Take {
   Motion motion;          ///< the whole performance: apply_blinks(without_blinks, blinks), bit for bit
   Motion without_blinks;  ///< the same with the lids where gaze and emotion leave them
   std::vector<BlinkEvent> blinks;  ///< in time order
-  /// z0 strength of the jaw, z1 of lips and rounding, z2 of the expression: N(0, 1). What a model of takes can be told.
+  /// z0 strength of the jaw, z1 of lips and rounding, z2 of the expression: N(0, 1). What a model of takes
+  /// can be told.
   std::array<float, 3> latents{};
 };
 
@@ -35,6 +36,11 @@ Motion plain_performance(const Utterance& utterance, const Speaker& speaker, Emo
 
 /// plain_performance in the default style, neutral: the truth that lip measures compare with.
 Motion default_performance(const Utterance& utterance);
+
+/// Mean of `count` takes, with blinks: the approximate conditional mean that scores compare with. Take i has
+/// the seed hash_combine(seed, i). The sum is in double precision and in order. @pre count > 0
+Motion mean_performance(const Utterance& utterance, const Speaker& speaker, Emotion emotion, double intensity,
+                        std::uint64_t seed, int count);
 
 /// Seed of take k of an item.
 std::uint64_t take_seed(std::uint64_t corpus_seed, std::string_view item_id, std::uint64_t take_index);

@@ -1,0 +1,20 @@
+#pragma once
+#include <filesystem>
+
+#include "mien/base/result.h"
+#include "mien/core/character.h"
+
+namespace mien {
+
+/// A character from a file, chosen by its extension:
+/// - .glb, .gltf, .vrm: glTF, see read_glb();
+/// - .safetensors: one part "skin" from the tensors `neutral` F32 [V, 3] and `triangles` I32 [F, 3], shapes
+/// from
+///   `shape.<name>` F32 [V, 3], regions from `landmarks68` and `region.<name>` I32. Metadata `units` says
+///   metres (assumed when absent), centimetres or millimetres; `name` names the character.
+///
+/// Warnings: as read_glb(); tensors that have no use here.
+/// Errors: Errc::input for missing and damaged files, Errc::incompatible for files of another kind.
+Result<Character> load_character(const std::filesystem::path& path);
+
+}  // namespace mien

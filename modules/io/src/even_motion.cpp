@@ -1,0 +1,71 @@
+#include "even_motion.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "mien/base/contract.h"
+
+namespace mien::io {
+namespace {
+
+constexpr std::int64_t kFramesPerHour = 60 * 3600;
+
+}  // namespace
+
+Status check_motion(const Motion& motion, std::string_view writer) {
+  contract(
+      motion.channels.empty() ? motion.values.empty() : motion.values.size() % motion.channels.size() == 0,
+      "check_motion: the values are not whole frames");
+  if (!(motion.fps > 0) || !std::isfinite(motion.fps))
+    return Error{Errc::failed, std::string(writer), "the frame rate of the motion is not a positive number",
+                 ""};
+  for (std::size_t i = 0; i < motion.values.size(); ++i) {
+    if (std::isfinite(motion.values[i])) continue;
+    const std::size_t width = motion.channels.size();
+    return Error{
+        Errc::failed, std::string(writer),
+        "channel '" + motion.channels[i % width] + "' is not finite at frame " + std::to_string(i / width),
+        ""};
+  }
+  return Done{};
+}
+
+KeyPosition find_key(const std::vector<double>& times, double time, double snap) {
+  const auto above = std::upper_bound(times.begin(), times.end(), time);
+  if (above == times.begin()) return {0, 0};
+  const auto key = static_cast<std::size_t>(above - times.begin()) - 1;
+  if (above == times.end() || time - times[key] <= snap) return {key, 0};
+  if (*above - time <= snap) return {key + 1, 0};
+  return {key, (time - times[key]) / (*above - times[key])};
+}
+
+Result<std::int64_t> num_even_frames(double last_time, double fps, std::size_t num_keys) {
+  const double frames = std::floor(last_time * fps + 0.5) + 1;
+  const double limit = static_cast<double>(kFramesPerHour) + 8.0 * static_cast<double>(num_keys);
+  if (!(frames <= limit))
+    return Error{Errc::input, "motion",
+                 "it lasts " + std::to_string(static_cast<long long>(std::min(last_time, 1e15))) +
+                     " s, too long for its " + std::to_string(num_keys) + " rows",
+                 ""};
+  return static_cast<std::int64_t>(frames);
+}
+
+Result<Motion> even_motion(const std::vector<double>& times, const std::vector<float>& rows,
+                           std::vector<std::string> channels, double fps) {
+  Motion motion{MotionSpace::arkit, std::move(channels), fps, {}};
+  if (times.empty()) return motion;
+  MIEN_TRY(const std::int64_t num_frames, num_even_frames(times.back(), fps, times.size()));
+  const std::size_t width = motion.channels.size();
+  motion.values.resize(static_cast<std::size_t>(num_frames) * width);
+  for (std::int64_t n = 0; n < num_frames; ++n) {
+    const KeyPosition at = find_key(times, static_cast<double>(n) / fps, kSnapFrames / fps);
+    const float* a = &rows[at.key * width];
+    const float* b = at.weight > 0 ? a + width : a;
+    const auto w = static_cast<float>(at.weight);
+    const auto out = motion.frame(n);
+    for (std::size_t c = 0; c < width; ++c) out[c] = a[c] + w * (b[c] - a[c]);
+  }
+  return motion;
+}
+
+}  // namespace mien::io

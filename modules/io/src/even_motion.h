@@ -1,0 +1,34 @@
+#pragma once
+#include <string_view>
+#include <vector>
+
+#include "mien/base/result.h"
+#include "mien/core/motion.h"
+
+namespace mien::io {
+
+/// What every writer of motion needs: a positive rate, whole frames, finite numbers.
+/// Errors (Errc::failed), naming the frame and the channel. @pre whole frames
+Status check_motion(const Motion& motion, std::string_view writer);
+
+/// Keys closer than this to the instant of a frame are taken as they are.
+inline constexpr double kSnapFrames = 0.05;
+
+/// Motion from instants that need not be even: frame n is the value at n / fps, between rows linearly; rows
+/// closer than 1/20 frame to it are taken as they are. `times` rise strictly and start at 0. [R] seconds and
+/// [R, C] values. Errors (Errc::input): more frames than eight per row and an hour.
+Result<Motion> even_motion(const std::vector<double>& times, const std::vector<float>& rows,
+                           std::vector<std::string> channels, double fps);
+
+/// Where an instant lies between keys.
+struct KeyPosition {
+  std::size_t key = 0;
+  double weight = 0;  ///< of key + 1; 0 at the last key
+};
+/// `times` rise strictly, at least one; instants within `snap` seconds of a key are at that key.
+KeyPosition find_key(const std::vector<double>& times, double time, double snap);
+
+/// Frames needed to hold the last of `num_keys` keys. Errors as even_motion().
+Result<std::int64_t> num_even_frames(double last_time, double fps, std::size_t num_keys);
+
+}  // namespace mien::io

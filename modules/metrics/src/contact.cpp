@@ -33,16 +33,6 @@ double speed(std::span<const double> series, std::size_t n) {
 
 }  // namespace
 
-MeanOf& MeanOf::operator+=(const MeanOf& other) {
-  sum += other.sum;
-  count += other.count;
-  return *this;
-}
-
-double MeanOf::value() const {
-  return count > 0 ? sum / static_cast<double>(count) : std::numeric_limits<double>::quiet_NaN();
-}
-
 RestScore& RestScore::operator+=(const RestScore& other) {
   pause_speed += other.pause_speed;
   phone_speed += other.phone_speed;

@@ -1,15 +1,16 @@
 #include "mien/metrics/human_benchmark.h"
 
 #include <gtest/gtest.h>
-#include <sndfile.h>
 
 #include <cmath>
 #include <cstdlib>
 #include <numeric>
 
 #include "labels_for_tests.h"
+#include "mien/audio/load_audio.h"
 #include "mien/base/hash.h"
 #include "mien/metrics/baselines.h"
+#include "mien/metrics/human_report.h"
 #include "mien/metrics/loudness.h"
 
 namespace mien {
@@ -23,17 +24,6 @@ std::filesystem::path human_folder() {
   return std::filesystem::path(root != nullptr ? root : MIEN_SHARED_DIR) / "audio/human";
 }
 
-Result<AudioClip> load_flac(const std::filesystem::path& path) {
-  SF_INFO info{};
-  SNDFILE* file = sf_open(path.c_str(), SFM_READ, &info);
-  if (file == nullptr) return Error{Errc::input, path.string(), "cannot be read", ""};
-  AudioClip clip;
-  clip.samples.resize(static_cast<std::size_t>(info.frames));
-  sf_readf_float(file, clip.samples.data(), info.frames);
-  sf_close(file);
-  return clip;
-}
-
 // The rows of the README's last table, in its order.
 enum Predictor { oracle, late_60, late_100, loud, steep, shut, random_times, num_predictors };
 
@@ -45,7 +35,7 @@ std::vector<std::vector<HumanClipScore>> reference_scores() {
     if (!belongs_to(clip, SpeechGroup::english_clean)) continue;
     const auto labels = read_labels(clip);
     EXPECT_TRUE(labels) << labels.error().message();
-    const auto audio = load_flac(clip.audio);
+    const auto audio = load_audio(clip.audio);
     EXPECT_TRUE(audio) << audio.error().message();
     const auto e = loudness(speech_level_db(audio->samples));
     const Aperture apertures[] = {oracle_aperture(e, *labels, 0),     oracle_aperture(e, *labels, 0.060),
@@ -188,7 +178,7 @@ TEST(HumanBenchmark, EvaluatesASystemOverTheFolder) {
   ASSERT_TRUE(clips);
   HumanEvaluation evaluation;
   evaluation.only = {"vctk_p225_003", "vctk_p287_001_noisy"};
-  evaluation.load = load_flac;
+  evaluation.load = load_audio;
   evaluation.generate = [&](std::string_view id,
                             std::span<const float> samples) -> Result<std::vector<Motion>> {
     const auto clip = std::find_if(clips->begin(), clips->end(), [&](const auto& c) { return c.id == id; });
@@ -209,6 +199,12 @@ TEST(HumanBenchmark, EvaluatesASystemOverTheFolder) {
   EXPECT_GT(figures.jaw_energy_r, 0.5);
   EXPECT_EQ(report->scores[0].jaw.size(), 2u);
   EXPECT_LT(pool_human(report->loudness).f1, 0.9);
+
+  const MetricTable table = human_table(*report, 50);
+  ASSERT_EQ(table.columns.size(), 3u);  // English clean, noisy, loudness only
+  EXPECT_EQ(table.columns.back(), "loudness only, English clean");
+  EXPECT_TRUE(table.rows[1].cells[0].interval);
+  EXPECT_NE(to_markdown(table).find("fewer than 30"), std::string::npos);
 
   evaluation.only = {"nobody"};
   EXPECT_FALSE(evaluate_human(human_folder(), evaluation, progress));

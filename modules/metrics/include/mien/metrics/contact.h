@@ -6,23 +6,13 @@
 #include "mien/core/motion.h"
 #include "mien/metrics/aperture.h"
 #include "mien/metrics/closures.h"
+#include "mien/metrics/mean_of.h"
 #include "mien/metrics/speech_labels.h"
 
 namespace mien {
 
 /// The contract of contact and silence: lips rest in pauses and the last frame is closed. (That they meet on
 /// p, b, m is closures.h.)
-
-/// Sum and count; a mean that can be pooled.
-struct MeanOf {
-  double sum = 0;
-  std::int64_t count = 0;
-
-  void add(double value) { sum += value, ++count; }
-  MeanOf& operator+=(const MeanOf& other);
-  /// NaN when nothing was added.
-  [[nodiscard]] double value() const;
-};
 
 /// Motion at rest of one or more recordings (human benchmark README, "Pause motion ratio"); sum with +=.
 /// Pauses are rows "sil" with confidence >= 0.7 and not flagged not_quiet, from 150 ms after their start to

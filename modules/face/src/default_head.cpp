@@ -21,8 +21,8 @@ Vec3 in_metres(Vec3d p) {
           static_cast<float>(p.z * kToMetres.z)};
 }
 
-// Rows below both are dropped: no eye or sensor sees a tenth of a micrometre.
-constexpr float kMinOffset = 1e-7f;        // metres
+// Rows below both are dropped: a micrometre, a twentieth of a degree.
+constexpr float kMinOffset = 1e-6f;        // metres
 constexpr float kMinNormalOffset = 1e-3f;  // of a unit vector
 
 // A part of the character is one or several parts of the model, one after the other.

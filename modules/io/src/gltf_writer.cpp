@@ -303,9 +303,10 @@ std::string capitalised(std::string name) {
   return name;
 }
 
-void add_mesh(GltfBuilder& builder, Json mesh) {
+void add_mesh(GltfBuilder& builder, Json mesh, Vec3 pivot) {
   Json& nodes = builder.json["nodes"];
   nodes.push_back({{"name", mesh["name"]}, {"mesh", builder.json["meshes"].size()}});
+  if (pivot != Vec3{}) nodes.back()["translation"] = {-pivot.x, -pivot.y, -pivot.z};
   nodes[0]["children"].push_back(nodes.size() - 1);
   builder.json["meshes"].push_back(std::move(mesh));
 }
@@ -326,6 +327,10 @@ Result<Bytes> write_glb(const Character& character, const GltfWriteOptions& opti
   builder.json["scenes"] = Json::array({{{"nodes", {0}}}});
   if (!character.name.empty()) builder.json["scenes"][0]["name"] = character.name;
   builder.json["nodes"] = Json::array({{{"name", "Head"}}});
+  const Vec3 pivot = options.pivot;
+  contract(std::isfinite(pivot.x) && std::isfinite(pivot.y) && std::isfinite(pivot.z),
+           "write_glb: the pivot is not finite");
+  if (pivot != Vec3{}) builder.json["nodes"][0]["translation"] = {pivot.x, pivot.y, pivot.z};
   builder.json["meshes"] = Json::array();
 
   const auto targets = all_targets(character);
@@ -336,12 +341,14 @@ Result<Bytes> write_glb(const Character& character, const GltfWriteOptions& opti
         face["primitives"].push_back(add_primitive(builder, character, i, targets, options));
     face["weights"] = std::vector<double>(targets.size(), 0.0);
     face["extras"]["targetNames"] = targets;
-    add_mesh(builder, std::move(face));
+    add_mesh(builder, std::move(face), pivot);
   }
   for (std::size_t i = 0; i < character.parts.size(); ++i) {
     if (!character.parts[i].shapes.empty()) continue;
-    add_mesh(builder, {{"name", capitalised(character.parts[i].name)},
-                       {"primitives", Json::array({add_primitive(builder, character, i, {}, options)})}});
+    add_mesh(builder,
+             {{"name", capitalised(character.parts[i].name)},
+              {"primitives", Json::array({add_primitive(builder, character, i, {}, options)})}},
+             pivot);
   }
   return builder.finish();
 }

@@ -30,6 +30,21 @@ TEST(GltfWriter, WritesOneFaceMeshWithSharedTargets) {
   EXPECT_FALSE(json["meshes"][1]["primitives"][0].contains("targets"));
 }
 
+TEST(GltfWriter, HeadTurnsAboutThePivotAndVerticesStay) {
+  const Character character = tiny_character();
+  const auto bytes = write_glb(character, {.pivot = {0.01f, -0.065f, 0.3f}});
+  ASSERT_TRUE(bytes);
+  const Json nodes = open_glb(*bytes).json["nodes"];
+  EXPECT_EQ(nodes[0]["translation"][1].get<float>(), -0.065f);
+  EXPECT_EQ(nodes[2]["translation"][1].get<float>(), 0.065f);
+  const auto read = read_glb(*bytes);
+  ASSERT_TRUE(read);
+  for (std::size_t p = 0; p < character.parts.size(); ++p)
+    EXPECT_EQ(read->parts[p].mesh.positions, character.parts[p].mesh.positions);
+  const Json plain = open_glb(*write_glb(character)).json;
+  EXPECT_FALSE(plain["nodes"][0].contains("translation"));
+}
+
 TEST(GltfWriter, TargetsAreSparseWithTrueBounds) {
   const auto bytes = write_glb(tiny_character());
   ASSERT_TRUE(bytes);

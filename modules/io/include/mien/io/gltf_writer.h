@@ -9,6 +9,8 @@ struct GltfWriteOptions {
   /// Give every target normal displacements: those of the shape, else computed from the moved surface.
   /// Without them the file is about 40 % smaller and lit as if the face did not move.
   bool normals = true;
+  /// The point that the node "Head" turns about, e.g. neck_pivot(); metres. Vertices stay where they are.
+  Vec3 pivot{0, 0, 0};
 };
 
 /// A character as binary glTF 2.0, the same bytes for the same character.

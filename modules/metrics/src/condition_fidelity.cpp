@@ -3,6 +3,8 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <set>
+#include <tuple>
 
 #include "mien/base/contract.h"
 #include "mien/core/arkit.h"
@@ -49,28 +51,28 @@ std::vector<double> condition_features(const Motion& motion) {
 }
 
 CentroidClassifier::CentroidClassifier(std::span<const ConditionExample> examples) {
-  std::map<int, Average> contexts;
-  std::map<std::pair<int, int>, Average> labels;
+  using Key = std::tuple<int, int, int>;
+  const auto key_of = [](const ConditionExample& e) { return Key{e.context, e.label, e.variety}; };
+  std::map<Key, Average> averages;
   for (const ConditionExample& example : examples) {
     contract(example.features.size() == examples.front().features.size(),
              "CentroidClassifier: features differ in length");
-    contexts[example.context].add(example.features);
-    labels[{example.context, example.label}].add(example.features);
+    averages[key_of(example)].add(example.features);
   }
   if (examples.empty()) return;
-  // Deviations around the context's mean: what the context explains must not blunt the scale.
-  std::map<int, std::vector<double>> means;
-  for (const auto& [context, average] : contexts) means[context] = average.value();
+  std::map<Key, std::vector<double>> centroids;
+  for (const auto& [key, average] : averages) centroids[key] = average.value();
   std::vector<double> variance(examples.front().features.size(), 0.0);
   for (const ConditionExample& example : examples) {
-    const auto& mean = means[example.context];
+    const auto& centroid = centroids[key_of(example)];
     for (std::size_t i = 0; i < variance.size(); ++i) {
-      const double d = example.features[i] - mean[i];
+      const double d = example.features[i] - centroid[i];
       variance[i] += d * d / static_cast<double>(examples.size());
     }
   }
   for (const double v : variance) scale_.push_back(1 / std::max(kMinDeviation, std::sqrt(v)));
-  for (const auto& [key, average] : labels) centroids_.push_back({key.first, key.second, average.value()});
+  for (const auto& [key, values] : centroids)
+    centroids_.push_back({std::get<0>(key), std::get<1>(key), std::get<2>(key), values});
 }
 
 int CentroidClassifier::predict(std::span<const double> features, int context) const {
@@ -90,9 +92,10 @@ int CentroidClassifier::predict(std::span<const double> features, int context) c
 }
 
 std::size_t CentroidClassifier::num_labels(int context) const {
-  std::size_t count = 0;
-  for (const Centroid& centroid : centroids_) count += centroid.context == context;
-  return count;
+  std::set<int> labels;
+  for (const Centroid& centroid : centroids_)
+    if (centroid.context == context) labels.insert(centroid.label);
+  return labels.size();
 }
 
 FidelityCounts& FidelityCounts::operator+=(const FidelityCounts& other) {

@@ -15,19 +15,21 @@ namespace mien {
 /// out). [104] Zeros for a motion without frames. @pre a performance
 std::vector<double> condition_features(const Motion& motion);
 
-/// One labelled clip. `context` names what is known beforehand: its mean is taken out of the features, and
-/// only labels seen in that context compete. (0 throughout when nothing is known; the emotion for levels;
-/// emotion and level for styles.)
+/// One labelled clip. `context` names what is known beforehand: only labels seen in that context compete (0
+/// throughout when nothing is known; the emotion when levels are told apart).
 struct ConditionExample {
   std::vector<double> features;
   int label = 0;
   int context = 0;
+  int variety = 0;  ///< a label may have several centroids: an emotion has one per level
 };
 
 class CentroidClassifier {
  public:
-  /// Standardises every feature by its standard deviation over the examples (at least 1e-3) after the
-  /// context's mean is removed, then averages per context and label. @pre features of equal length
+  /// Averages the examples per context, label and variety, and divides every feature by its standard
+  /// deviation inside these groups (at least 1e-3): features that vary for other reasons than the label count
+  /// less.
+  /// @pre features of equal length
   explicit CentroidClassifier(std::span<const ConditionExample> examples);
 
   /// Label of the nearest centroid of `context`; -1 when that context was never seen.
@@ -37,7 +39,7 @@ class CentroidClassifier {
 
  private:
   struct Centroid {
-    int context, label;
+    int context, label, variety;
     std::vector<double> values;
   };
   std::vector<double> scale_;  // 1 / standard deviation

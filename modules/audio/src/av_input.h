@@ -52,7 +52,4 @@ class AvInput {
 /// libav's words for one of its error codes.
 std::string av_message(int error);
 
-/// Whether an Ogg file ends with a complete page that is marked as the last one.
-bool ogg_is_complete(InputFile& file);
-
 }  // namespace mien

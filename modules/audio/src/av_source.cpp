@@ -7,13 +7,14 @@
 
 #include "av_input.h"
 #include "mien/base/number_text.h"
+#include "ogg_end.h"
 
 namespace mien {
 namespace {
 
-constexpr double kMinGapSeconds = 0.02;     // shorter jumps of the time stamps are rounding
-constexpr double kMaxGapSeconds = 10.0;     // longer ones are broken clocks
-constexpr double kLossySlackSeconds = 0.1;  // lossy codings pad and trim by a packet or two
+constexpr double kMinGapSeconds = 0.02;      // shorter jumps of the time stamps are rounding
+constexpr double kMaxGapSeconds = 10.0;      // longer ones are broken clocks
+constexpr double kLossySlackSeconds = 0.05;  // lossy codings pad and trim by a packet or two
 constexpr std::int64_t kSilenceFrames = 4096;
 
 template <class T>

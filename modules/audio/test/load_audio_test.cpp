@@ -5,10 +5,13 @@
 
 #include <cmath>
 #include <cstdio>
+#include <cstring>
 #include <limits>
 #include <numbers>
 
+#include "input_file.h"
 #include "mien/base/random.h"
+#include "ogg_end.h"
 #include "resampler.h"
 #include "test_sound.h"
 #include "test_wav.h"
@@ -155,6 +158,37 @@ TEST(LoadAudio, GeneralDecoderSurvivesEveryTruncationAndFlippedBytes) {
       (void)load_audio(TemporaryFile(damaged).path());  // an Error or a clip, nothing else
     }
   }
+}
+
+// An Ogg page: header of 27 bytes, the length of its segments, their bytes.
+Bytes ogg_page(int flags, const std::vector<int>& segments) {
+  Bytes page(27);
+  std::memcpy(page.data(), "OggS", 4);
+  page[5] = static_cast<std::byte>(flags);
+  page[26] = static_cast<std::byte>(segments.size());
+  for (const int size : segments) page.push_back(static_cast<std::byte>(size));
+  for (const int size : segments) page.resize(page.size() + static_cast<std::size_t>(size));
+  return page;
+}
+
+TEST(OggEnd, LastPageIsMarkedAndWhole) {
+  const auto is_complete = [](const Bytes& bytes) {
+    const TemporaryFile file(bytes, ".ogg");
+    auto input = InputFile::open(file.path());
+    return input.has_value() && ogg_is_complete(*input);
+  };
+  Bytes file = ogg_page(2, {30});
+  EXPECT_FALSE(is_complete(file));  // only a first page
+  const Bytes last = ogg_page(4, {255, 255, 17});
+  file.insert(file.end(), last.begin(), last.end());
+  EXPECT_TRUE(is_complete(file));
+  file.push_back(std::byte{0});  // something behind it does no harm
+  EXPECT_TRUE(is_complete(file));
+  file.resize(file.size() - 2);
+  EXPECT_FALSE(is_complete(file));
+  file.resize(ogg_page(2, {30}).size() + 28);  // cut inside the header
+  EXPECT_FALSE(is_complete(file));
+  EXPECT_FALSE(is_complete(Bytes(100)));
 }
 
 TEST(AudioReader, AnySizeOfRequestGivesTheSameSamples) {

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cctype>
 #include <cmath>
 #include <fstream>
@@ -87,6 +88,10 @@ TEST_P(SharedAudio, BehavesAsItsManifestSays) {
     return;
   }
   ASSERT_TRUE(clip.has_value());
+  const char* const odd[] = {"antiphase", "size_zero", "silence_1s", "clipped", "square_full_scale"};
+  const bool is_odd =
+      std::any_of(std::begin(odd), std::end(odd), [&](const char* o) { return name.find(o) != name.npos; });
+  EXPECT_EQ(clip.warnings.size(), is_odd ? 1u : 0u) << ::testing::PrintToString(clip.warnings);
   EXPECT_EQ(clip->sample_rate_hz, 16000);
   const auto reader = AudioReader::open(path);
   ASSERT_TRUE(reader.has_value());
@@ -128,6 +133,7 @@ TEST(SharedFormats, NoCodingMovesTheSound) {
   for (const auto& [name, entry] : manifest().items()) {
     if (!name.starts_with("formats/") || name.find("antiphase") != name.npos) continue;
     const auto samples = load_shared(name);
+    ASSERT_GE(samples.size(), 4800u) << name;
     double best = 0;
     int best_lag = 999;
     for (int lag = -100; lag <= 100; ++lag) {
@@ -176,6 +182,40 @@ TEST(SharedFormats, CutFilesAreRefusedOrWarn) {
       EXPECT_TRUE(!clip || is_endless || !clip.warnings.empty()) << name << " cut to " << share;
     }
   }
+}
+
+// RFC 3533, page checksum: polynomial 0x04c11db7, computed with zeros in its own place (bytes 22 to 25).
+void sign_ogg_page(std::span<std::byte> page) {
+  std::fill_n(page.begin() + 22, 4, std::byte{0});
+  std::uint32_t crc = 0;
+  for (const std::byte b : page) {
+    crc ^= static_cast<std::uint32_t>(b) << 24;
+    for (int i = 0; i < 8; ++i) crc = (crc << 1) ^ ((crc >> 31) * 0x04c11db7u);
+  }
+  for (int i = 0; i < 4; ++i) page[22 + i] = static_cast<std::byte>(crc >> (8 * i));
+}
+
+TEST(SharedFormats, OggThatEndsBetweenPagesWarns) {
+  auto bytes = read_file(shared_audio() / "formats" / "vorbis_mono_16000.ogg");
+  if (!bytes) GTEST_SKIP() << bytes.error().message();
+  const auto last = std::span(*bytes).subspan(as_text(*bytes).rfind("OggS"));
+  last[5] &= ~std::byte{4};  // one more page should follow
+  sign_ogg_page(last);
+  const auto clip = load_audio(TemporaryFile(*bytes, ".ogg").path());
+  ASSERT_TRUE(clip.has_value()) << clip.error().message();
+  EXPECT_THAT(clip.warnings, ElementsAre(HasSubstr("its last page is missing")));
+}
+
+TEST(SharedFormats, ChangingSampleRateIsAnError) {
+  auto bytes = read_file(shared_audio() / "formats" / "mp3_mono_16000.mp3");
+  const auto more = read_file(shared_audio() / "formats" / "mp3_stereo_44100.mp3");
+  if (!bytes || !more)
+    GTEST_SKIP() << shared_audio() / "formats"
+                 << " is absent";
+  bytes->insert(bytes->end(), more->begin(), more->end());
+  const auto clip = load_audio(TemporaryFile(*bytes, ".mp3").path());
+  ASSERT_FALSE(clip.has_value());
+  EXPECT_THAT(clip.error().why, HasSubstr("sample rate changes from 16000 to 44100 Hz"));
 }
 
 TEST(SharedFormats, FlippedBytesNeverCrash) {
@@ -227,11 +267,8 @@ TEST(SharedResample, EqualsTheReference) {
       for (std::size_t i = 0; i < n; ++i) sum += std::pow(static_cast<double>(got[i]) - reference[i], 2);
       return std::sqrt(sum / static_cast<double>(n));
     };
-    EXPECT_LT(distance(want), 1e-4) << rate << " Hz";
-    EXPECT_LT(distance(other), 0.01) << rate << " Hz";  // another filter: wider transition band
-    RecordProperty("rms_to_soxr_" + std::to_string(rate), std::to_string(distance(want)));
-    std::printf("%d Hz: rms %.2e to the soxr reference, %.2e to torchaudio\n", rate, distance(want),
-                distance(other));
+    EXPECT_LT(distance(want), 1e-6) << rate << " Hz";   // measured: 0
+    EXPECT_LT(distance(other), 2e-3) << rate << " Hz";  // another filter; measured: up to 2.1e-4
   }
 }
 

@@ -146,6 +146,45 @@ TEST(Wav, SoundBeforeItsFormatIsAccepted) {
   EXPECT_EQ(clip->samples.size(), 500u);
 }
 
+// Sony's Wave64: 16-byte names, sizes of 64 bits that count the 24 bytes of the chunk header, chunks at
+// multiples of 8.
+Bytes wave64_file(const Bytes& data, std::uint64_t declared_data) {
+  Bytes w64;
+  const auto append_chunk = [&](std::string_view name, std::string_view rest_of_name, std::uint64_t size) {
+    append_text(w64, name);
+    append_text(w64, rest_of_name);
+    append_le<std::uint64_t>(w64, size);
+  };
+  using namespace std::string_view_literals;
+  const auto rest = "\xf3\xac\xd3\x11\x8c\xd1\x00\xc0\x4f\x8e\xdb\x8a"sv;
+  append_chunk("riff", "\x2e\x91\xcf\x11\xa5\xd6\x28\xdb\x04\xc1\x00\x00"sv, 1000);
+  append_text(w64, "wave");
+  append_text(w64, rest);
+  Bytes format;
+  append_format(format, {});
+  append_chunk("fmt ", rest, 24 + 16);
+  w64.insert(w64.end(), format.begin() + 8, format.end());
+  append_chunk("levl", rest, 24 + 3);
+  append_text(w64, "abc.....");  // 3 bytes and the way to the next multiple of 8
+  append_chunk("data", rest, declared_data);
+  w64.insert(w64.end(), data.begin(), data.end());
+  return w64;
+}
+
+TEST(Wav, Wave64) {
+  const Bytes data = as_data(ramp16(500));
+  const auto clip = load(wave64_file(data, 24 + 1000));
+  ASSERT_TRUE(clip.has_value()) << clip.error().message();
+  EXPECT_EQ(clip->samples.size(), 500u);
+  EXPECT_FLOAT_EQ(clip->samples[1], -9903.0f / 32768);
+  EXPECT_THAT(clip.warnings, IsEmpty());
+  const auto cut = load(wave64_file(data, UINT64_MAX));
+  ASSERT_TRUE(cut.has_value()) << cut.error().message();
+  EXPECT_EQ(cut->samples.size(), 500u);
+  EXPECT_THAT(cut.warnings, ElementsAre(HasSubstr("the file is cut")));
+  EXPECT_FALSE(load(wave64_file(data, 23)).has_value());  // smaller than its own header
+}
+
 TEST(Wav, EveryTruncationIsAnErrorOrAWarning) {
   const Bytes whole = wav_file({}, as_data(ramp16(450)));
   for (std::size_t n = 0; n < whole.size(); ++n) {

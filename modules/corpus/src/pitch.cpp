@@ -51,9 +51,12 @@ std::vector<float> decimated(std::span<const float> x) {
 
 // Pitch of one window, 0 when unvoiced.
 float pitch_of(const std::array<float, kWindow>& window) {
+  std::array<float, kWindow + kMaxLag + 2> padded{};
+  std::copy(window.begin(), window.end(), padded.begin());
   std::array<float, kMaxLag + 2> r{};
-  for (std::size_t lag = kMinLag - 1; lag < r.size(); ++lag)
-    for (std::size_t i = 0; i + lag < kWindow; ++i) r[lag] += window[i] * window[i + lag];
+  for (std::size_t i = 0; i < kWindow;
+       ++i)  // lags inside: sums side by side, which the compiler can vectorise
+    for (std::size_t lag = kMinLag - 1; lag < r.size(); ++lag) r[lag] += padded[i] * padded[i + lag];
   float energy = 0;
   for (const float v : window) energy += v * v;
   if (energy <= 0) return 0;

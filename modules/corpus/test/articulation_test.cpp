@@ -149,6 +149,20 @@ TEST(Articulation, MouthShapesOfThePhones) {
   EXPECT_GE(peak.at({Viseme::IY, "mouthStretchLeft"}).value(), 0.2);
 }
 
+TEST(Articulation, ShortGapsDoNotRelaxTheMouth) {
+  const auto in_gap = [](double gap) {
+    const std::vector<PhoneSegment> phones = {
+        {.start_s = 0.4, .end_s = 0.5, .label = "uw", .visemes = {Viseme::UW}},
+        {.start_s = 0.5, .end_s = 0.5 + gap, .label = "pau", .visemes = {}},
+        {.start_s = 0.5 + gap, .end_s = 0.6 + gap, .label = "aa", .visemes = {Viseme::AA}}};
+    return articulate(phones, {}, 90)[static_cast<std::size_t>((0.5 + gap / 2) * 60)];
+  };
+  // A pause that pulls with full strength leaves 0.53 and 0.35.
+  EXPECT_NEAR(in_gap(0.05)[Articulator::round], 0.65f, 0.02f);
+  EXPECT_NEAR(in_gap(0.05)[Articulator::jaw_open], 0.43f, 0.02f);
+  EXPECT_LT(in_gap(0.40)[Articulator::round], 0.05f);
+}
+
 TEST(Articulation, AnticipatesAndWidensAsAsked) {
   Utterance u;
   u.seconds = 1;

@@ -15,9 +15,8 @@ enum class PhoneSource {
 };
 
 /// Lip-closure window of p, b or m (specification, section 1.4); nothing for other phones.
-/// @param event_s  espeak only: the instant of the phone's event. A repaired voiceless stop starts before its
-/// event, at
-///                 the start of the silent run; one that was not repaired starts with it
+/// @param event_s  espeak only: the instant of the phone's event. A voiceless stop that was repaired starts
+/// before it, with the silent run; one that was not starts with it
 std::optional<TimeSpan> closure_window(PhoneSource source, const PhoneSegment& segment, double event_s);
 
 }  // namespace mien

@@ -19,9 +19,8 @@ struct PhoneSegment {
   double end_s = 0;
   std::string label = {};  ///< as the engine calls it
   Visemes visemes = {};
-  double prominence = 1;  ///< gain of the jaw opening of a vowel, 0.75 ... 1.25 (section 4.4)
-  std::optional<TimeSpan> closure =
-      std::nullopt;  ///< of p, b, m; see default_closure when the source has none
+  double prominence = 1;                 ///< gain of the jaw opening of a vowel, 0.75 ... 1.25 (section 4.4)
+  std::optional<TimeSpan> closure = {};  ///< of p, b, m; default_closure() when the source has none
 
   [[nodiscard]] double seconds() const { return end_s - start_s; }
   [[nodiscard]] bool is_pause() const { return visemes.first == Viseme::sil; }

@@ -9,36 +9,12 @@ namespace mien {
 
 /// The 28 mouth shapes of the corpus (specification, sections 2 and 4). The order is part of the file
 /// formats.
+// clang-format off
 enum class Viseme : std::uint8_t {
-  sil,
-  PP,
-  FF,
-  TH,
-  DD,
-  NN,
-  LL,
-  KK,
-  CH,
-  SS,
-  RR,
-  WW,
-  YY,
-  HH,  // pause and consonants
-  AA,
-  AE,
-  AH,
-  AX,
-  AO,
-  OW,
-  UH,
-  UW,
-  EH,
-  IH,
-  IY,
-  ER,
-  UY,
-  OE,  // vowels
+  sil, PP, FF, TH, DD, NN, LL, KK, CH, SS, RR, WW, YY, HH,  // pause and consonants
+  AA, AE, AH, AX, AO, OW, UH, UW, EH, IH, IY, ER, UY, OE,   // vowels
 };
+// clang-format on
 inline constexpr int kNumVisemes = 28;
 
 /// "sil", "PP" ... "OE", indexed by the value of Viseme.

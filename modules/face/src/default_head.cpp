@@ -76,13 +76,14 @@ DefaultHead build_default_head(int num_threads) {
     const char* name;
     std::size_t first, count;  // in model.parts
   };
-  constexpr std::array<PartGroup, 7> kGroups = {{{"skin", 0, 1},
-                                                 {"eyes", 1, 2},
-                                                 {"teeth", 3, 2},
-                                                 {"tongue", 5, 1},
-                                                 {"brows", 6, 2},
-                                                 {"ears", 8, 2},
-                                                 {"hair", 10, 1}}};
+  constexpr std::array<PartGroup, 8> kGroups = {{{"skin", 0, 1},
+                                                 {"eyes", 1, 4},
+                                                 {"teeth", 5, 2},
+                                                 {"tongue", 7, 1},
+                                                 {"brows", 8, 2},
+                                                 {"lashes", 10, 2},
+                                                 {"ears", 12, 2},
+                                                 {"hair", 14, 1}}};
   DefaultHead out;
   out.character.name = "Mien default head";
   for (const auto& [name, first, count] : kGroups)

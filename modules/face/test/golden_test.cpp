@@ -86,7 +86,7 @@ TEST_P(GoldenPose, LooksAsStored) {
   ASSERT_EQ(golden->width(), kWidth);
   ASSERT_EQ(golden->height(), kHeight);
   const Difference d = compare(now, *golden);
-  const bool same = d.mean < 0.5 && d.beyond < 0.005;
+  const bool same = d.mean < 0.3 && d.beyond < 0.002;
   if (!same) {
     const fs::path folder = fs::path(testing::TempDir());
     const fs::path shown = folder / (std::string("difference_") + GetParam().name + ".png");

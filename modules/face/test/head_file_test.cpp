@@ -145,7 +145,9 @@ TEST(HeadFile, PrimitivesKeepTheRules) {
         ASSERT_LT(index, count);
       }
     }
-  EXPECT_EQ(num_triangles, 33644U);
+  std::size_t num_made = 0;
+  for (const auto& part : test::built_head().character.parts) num_made += part.mesh.triangles.size();
+  EXPECT_EQ(num_triangles, num_made);
 }
 
 TEST(HeadFile, FaceHasAll52TargetsInEveryPrimitive) {
@@ -172,7 +174,6 @@ TEST(HeadFile, FaceHasAll52TargetsInEveryPrimitive) {
 TEST(HeadFile, ReadsBackAsTheHeadItWasMadeFrom) {
   const auto read = read_glb(std::filesystem::path(MIEN_HEAD_GLB));
   ASSERT_TRUE(read) << read.error().message();
-  EXPECT_TRUE(read->parts.size() == test::built_head().character.parts.size());
   const Character& made = test::built_head().character;
   ASSERT_EQ(read->parts.size(), made.parts.size());
   EXPECT_EQ(read->regions, made.regions);

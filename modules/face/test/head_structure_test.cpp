@@ -68,11 +68,14 @@ TEST(HeadStructure, EveryPartFacesOutwards) {
   // Signed volume of each triangle with the part's middle: the sum is positive for a sheet that bulges
   // outwards.
   for (const auto& part : built_model().parts) {
-    if (part.name.starts_with("teeth")) continue;  // a strip with two sides
+    if (part.name.starts_with("teeth") || part.name.starts_with("lashes")) continue;  // strips with two sides
     Vec3d middle;
     for (const Vec3d& p : part.mesh.positions)
       middle += (1.0 / static_cast<double>(part.mesh.positions.size())) * p;
-    if (part.name.starts_with("eye")) middle = {middle.x, head::kEyeCentre.y, head::kEyeCentre.z};
+    if (part.name.starts_with("eyeCorners"))
+      middle = {middle.x, middle.y, 0};
+    else if (part.name.starts_with("eye"))
+      middle = {middle.x, head::kEyeCentre.y, head::kEyeCentre.z};
     if (part.name.starts_with("brow") || part.name.starts_with("ear")) middle = {};  // shells on the head
     double volume = 0;
     for (const auto& [a, b, c] : part.mesh.triangles) {
@@ -179,6 +182,33 @@ TEST(HeadStructure, BlinkClosesTheEyeAndStaysOutsideTheEyeball) {
           nearest = std::min(nearest, length(skin().positions[v] + w * blink[v] - centre) - head::kEyeRadius);
     EXPECT_GT(nearest, 0.046);  // cm
   }
+}
+
+TEST(HeadStructure, LashesStayOnTheLidAndPointDownWhenItIsClosed) {
+  const auto part = [](std::string_view name) -> const head::MovingPart& {
+    const auto& parts = built_model().parts;
+    return *std::find_if(parts.begin(), parts.end(), [&](const auto& p) { return p.name == name; });
+  };
+  const head::MovingPart &left = part("lashesLeft"), &right = part("lashesRight");
+  const auto& open = left.mesh.positions;
+  ASSERT_EQ(open.size(), right.mesh.positions.size());
+  for (std::size_t v = 0; v < open.size(); ++v)
+    EXPECT_LT(length(mirrored(open[v]) - right.mesh.positions[v]), 1e-9);
+
+  const Offsets &lash = left.shapes[arkit_index("eyeBlinkLeft")], &lid = skin_shape("eyeBlinkLeft");
+  const auto& edge = skin().eyes[0].rings[head::kLidEdgeRing];
+  const auto distance_to_edge = [&](Vec3d p, double w) {
+    double nearest = 100;
+    for (const auto v : edge) nearest = std::min(nearest, length(skin().positions[v] + w * lid[v] - p));
+    return nearest;
+  };
+  constexpr std::size_t kRoots = 73, kTips = 36;  // roots come first, tips last
+  for (const double w : {0.0, 0.5, 1.0})
+    for (std::size_t v = 0; v < kRoots; ++v)
+      EXPECT_LT(distance_to_edge(open[v] + w * lash[v], w), 0.2) << v;  // cm: half the spacing of the edge
+  const std::size_t root = kRoots / 2, tip = open.size() - kTips / 2;
+  EXPECT_GT(open[tip].y, open[root].y + 0.1);
+  EXPECT_LT(open[tip].y + lash[tip].y, open[root].y + lash[root].y - 0.1);
 }
 
 TEST(HeadStructure, FewTrianglesTurnOver) {

@@ -248,7 +248,7 @@ Json material_of(const CharacterPart& part) {
       {"skin", {0.60, 0.36, 0.27}, 0.55, false},  {"eye", {0.80, 0.78, 0.75}, 0.15, false},
       {"teeth", {0.75, 0.70, 0.60}, 0.25, false}, {"tongue", {0.45, 0.15, 0.14}, 0.40, false},
       {"mouth", {0.45, 0.15, 0.14}, 0.40, false}, {"brow", {0.06, 0.04, 0.03}, 0.80, true},
-      {"hair", {0.06, 0.04, 0.03}, 0.70, true}};
+      {"lash", {0.03, 0.02, 0.015}, 0.80, true},  {"hair", {0.06, 0.04, 0.03}, 0.70, true}};
   Look look{"", {0.60, 0.36, 0.27}, 0.6, false};
   for (const Look& candidate : kLooks)
     if (part.name.find(candidate.word) != std::string::npos) {

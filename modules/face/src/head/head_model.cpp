@@ -1,5 +1,6 @@
 #include "head/head_model.h"
 
+#include "head/lashes.h"
 #include "head/part_motion.h"
 #include "head/shapes.h"
 
@@ -21,6 +22,8 @@ HeadModel build_head_model(int num_threads) {
     MovingPart* eye = add(name, build_eyeball(side));
     eye->shapes = eyeball_shapes(eye->mesh, side);
   }
+  add("eyeCornersLeft", build_eye_corners(BodySide::left));
+  add("eyeCornersRight", build_eye_corners(BodySide::right));
   for (const auto& [name, jaw] : {std::pair{"teethUpper", Jaw::upper}, {"teethLower", Jaw::lower}}) {
     MovingPart* teeth = add(name, build_teeth(jaw, model.skin.contact_z));
     teeth->shapes = teeth_shapes(teeth->mesh, jaw);
@@ -30,6 +33,11 @@ HeadModel build_head_model(int num_threads) {
   for (const auto& [name, side] : {std::pair{"browLeft", BodySide::left}, {"browRight", BodySide::right}}) {
     MovingPart* brow = add(name, build_brow(side));
     brow->shapes = follow_skin(brow->mesh, model.skin, skin_shapes);
+  }
+  for (const auto& [name, eye] : {std::pair{"lashesLeft", 0}, {"lashesRight", 1}}) {
+    Lashes lashes = build_lashes(model.skin, static_cast<std::size_t>(eye));
+    auto shapes = lash_shapes(lashes, skin_shapes);
+    add(name, std::move(lashes.mesh))->shapes = std::move(shapes);
   }
   add("earLeft", build_ear(BodySide::left));
   add("earRight", build_ear(BodySide::right));

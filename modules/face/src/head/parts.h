@@ -21,6 +21,8 @@ enum class BodySide : int { left = 1, right = -1 };
 enum class Jaw { upper, lower };
 
 Part build_eyeball(BodySide side);
+/// Soft tissue in both corners of the eye.
+Part build_eye_corners(BodySide side);
 /// @param contact_z  HeadSkin::contact_z
 Part build_teeth(Jaw jaw, double contact_z);
 Part build_tongue(double contact_z);

@@ -1,0 +1,106 @@
+#include "mien/render/motion_picture.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "mien/render/character_scene.h"
+#include "mien/render/text.h"
+
+namespace mien {
+namespace {
+
+constexpr int kMaxSide = 8192;
+
+// Values at an instant, as resample() would give them.
+std::vector<float> values_at(const Motion& motion, double seconds) {
+  std::vector<float> values(motion.channels.size(), 0.0f);
+  const std::int64_t count = motion.num_frames();
+  if (count == 0) return values;
+  const double position = std::clamp(seconds * motion.fps, 0.0, static_cast<double>(count - 1));
+  const auto left = static_cast<std::int64_t>(position), right = std::min(left + 1, count - 1);
+  const auto share = static_cast<float>(position - static_cast<double>(left));
+  const auto a = motion.frame(left), b = motion.frame(right);
+  for (std::size_t c = 0; c < values.size(); ++c) values[c] = a[c] + share * (b[c] - a[c]);
+  return values;
+}
+
+std::string joined(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
+}  // namespace
+
+Result<MotionPicture> MotionPicture::create(const Character& character, std::vector<const Motion*> motions,
+                                            const MotionPictureOptions& options) {
+  MIEN_TRY([[maybe_unused]] const auto valid, options.shading.validate());
+  contract(!motions.empty(), "MotionPicture: at least one motion expected");
+  contract(options.labels.empty() || options.labels.size() == motions.size(),
+           "MotionPicture: one label for each motion expected");
+  const auto count = static_cast<std::int64_t>(motions.size());
+  if (options.shading.width * count > kMaxSide || options.strip_height < 0 ||
+      options.shading.height + std::int64_t{options.strip_height} > kMaxSide)
+    return Error{Errc::usage, "picture",
+                 "would be larger than " + std::to_string(kMaxSide) + " pixels on a side",
+                 "Choose a smaller size or fewer motions"};
+  if (character.parts.empty())
+    return Error{Errc::incompatible, "character '" + character.name + "'", "has nothing to draw", ""};
+
+  const double aspect = static_cast<double>(options.shading.width) / options.shading.height;
+  MotionPicture picture(character, options, frame_character(character, options.view, aspect));
+  std::vector<std::string> warnings;
+  for (std::size_t i = 0; i < motions.size(); ++i) {
+    const Motion& motion = *motions[i];
+    const std::string name = options.labels.empty() ? "motion" : "motion '" + options.labels[i] + "'";
+    if (motion.space != MotionSpace::arkit && motion.space != MotionSpace::rig)
+      return Error{Errc::incompatible, name, "has no named coefficients that could move a character",
+                   "Convert it to ARKit coefficients first"};
+    Performer performer{&motion, options.labels.empty() ? "" : options.labels[i],
+                        Poser(character, motion.channels)};
+    const auto& unused = performer.poser.unused_channels();
+    if (!motion.channels.empty() && unused.size() == motion.channels.size())
+      return Error{Errc::incompatible, name,
+                   "none of its channels (" + joined(unused).substr(0, 200) + ") is a shape of the character",
+                   ""};
+    if (!unused.empty()) warnings.push_back(name + ": the character lacks " + joined(unused));
+    picture.performers_.push_back(std::move(performer));
+  }
+  Result<MotionPicture> result(std::move(picture));
+  result.warnings = std::move(warnings);
+  return result;
+}
+
+int MotionPicture::width() const { return options_.shading.width * static_cast<int>(performers_.size()); }
+int MotionPicture::height() const { return options_.shading.height + options_.strip_height; }
+
+double MotionPicture::seconds() const {
+  double longest = 0;
+  for (const Performer& p : performers_) longest = std::max(longest, p.motion->seconds());
+  return longest;
+}
+
+Image MotionPicture::at(double seconds, int num_threads) const {
+  if (!std::isfinite(seconds)) seconds = 0;
+  Image picture(width(), height());
+  RenderOptions shading = options_.shading;
+  shading.num_threads = num_threads;
+  int x = 0;
+  for (const Performer& p : performers_) {
+    PosedCharacter posed;
+    p.poser.pose(values_at(*p.motion, seconds), posed);
+    blit(picture, render(character_scene(*character_, posed), camera_, shading).value(), x, 0);
+    if (!p.label.empty()) draw_text(picture, x + 6, 4, fit_text(p.label, shading.width - 12));
+    if (options_.strip_height > 0) {
+      CurveStripOptions strip = options_.strip;
+      strip.start_seconds = seconds - 0.5 * strip.seconds;
+      strip.playhead_seconds = seconds;
+      blit(picture, curve_strip(shading.width, options_.strip_height, *p.motion, options_.log_mel, strip), x,
+           shading.height);
+    }
+    x += shading.width;
+  }
+  return picture;
+}
+
+}  // namespace mien

@@ -1,0 +1,147 @@
+#include "mien/io/motion_file.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+
+#include "even_motion.h"
+#include "mien/base/file.h"
+#include "mien/core/arkit.h"
+#include "mien/io/live_link_csv.h"
+#include "mien/io/motion_json.h"
+#include "mien/io/npy.h"
+
+namespace mien {
+namespace {
+
+constexpr std::size_t kMaxWidth = 3'000'000;  // numbers a frame: a mesh of a million vertices
+constexpr std::array<std::string_view, 4> kExtensions = {".csv", ".glb", ".json", ".npy"};
+
+std::string lower_extension(const std::filesystem::path& path) {
+  std::string extension = path.extension().string();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return extension;
+}
+
+Error unknown_extension(const std::filesystem::path& path) {
+  std::string known;
+  for (const auto extension : kExtensions) known += (known.empty() ? "" : ", ") + std::string(extension);
+  return {Errc::usage, "'" + path.string() + "'",
+          "no motion format has the extension '" + path.extension().string() + "'", "Use one of " + known};
+}
+
+// Collects small pieces of text into blocks for the disk.
+Status write_text(const std::filesystem::path& path, const std::function<Status(const TextSink&)>& write) {
+  constexpr std::size_t kBlock = 1 << 20;
+  MIEN_TRY(auto file, AtomicFile::create(path));
+  std::string block;
+  auto status = write([&](std::string_view piece) -> Status {
+    block += piece;
+    if (block.size() < kBlock) return Done{};
+    auto written = file.write(as_bytes(block));
+    block.clear();
+    return written;
+  });
+  if (!status) return status;
+  MIEN_TRY([[maybe_unused]] const auto rest, file.write(as_bytes(block)));
+  MIEN_TRY([[maybe_unused]] const auto done, file.commit());
+  return status;
+}
+
+Status write_npy_file(const std::filesystem::path& path, const Motion& motion) {
+  MIEN_TRY([[maybe_unused]] const auto checked, io::check_motion(motion, ".npy file"));
+  MIEN_TRY(auto file, AtomicFile::create(path));
+  const std::array<std::int64_t, 2> shape = {motion.num_frames(), motion.num_channels()};
+  MIEN_TRY([[maybe_unused]] const auto header, file.write(npy_header(shape)));
+  MIEN_TRY([[maybe_unused]] const auto data, file.write(std::as_bytes(std::span(motion.values))));
+  return file.commit();
+}
+
+Status write_glb_file(const std::filesystem::path& path, const Motion& motion, const MotionContext& context) {
+  if (context.character_glb.empty())
+    return Error{Errc::usage, "'" + path.string() + "'", "a .glb needs a character to animate", ""};
+  auto bytes = animate_glb(context.character_glb, motion, context.audio_name, context.glb);
+  if (!bytes) return bytes.error();
+  Status status = write_file(path, std::span<const std::byte>(*bytes));
+  status.warnings = std::move(bytes.warnings);
+  return status;
+}
+
+Result<Motion> motion_of_array(NpyArray array, double fps) {
+  if (array.shape.empty())
+    return Error{Errc::incompatible, ".npy file", "it is a single number, expected frames", ""};
+  std::size_t width = 1;
+  for (std::size_t i = 1; i < array.shape.size(); ++i)
+    width = checked_multiply(width, static_cast<std::size_t>(array.shape[i])).value_or(kMaxWidth + 1);
+  if (width == 0 || width > kMaxWidth)
+    return Error{
+        Errc::incompatible, ".npy file",
+        "its frames hold " + std::to_string(width) + " numbers, expected 1 to " + std::to_string(kMaxWidth),
+        ""};
+  for (std::size_t i = 0; i < array.values.size(); ++i)
+    if (!std::isfinite(array.values[i]))
+      return Error{Errc::input, ".npy file", "frame " + std::to_string(i / width) + " is not finite", ""};
+  Result<Motion> result{Motion{MotionSpace::arkit, {}, fps > 0 ? fps : 60, std::move(array.values)}};
+  auto& channels = result->channels;
+  if (width == kNumArkit) {
+    channels = arkit_order(ArkitOrder::apple);
+  } else if (width == kNumArkit + 3) {
+    channels = arkit_and_head_channels();
+  } else if (width == kNumArkit - 1) {
+    channels = arkit_order(ArkitOrder::alphabetical);
+    std::erase(channels, "tongueOut");
+  } else if (width == 32) {
+    channels = arkit_order(ArkitOrder::said);
+  } else {
+    const bool is_mesh = width % 3 == 0 && width >= 300;
+    result->space = is_mesh ? MotionSpace::vertices : MotionSpace::rig;
+    for (std::size_t c = 0; c < width; ++c)
+      channels.push_back(is_mesh ? std::to_string(c / 3) + "." + "xyz"[c % 3]
+                                 : "channel" + std::to_string(c));
+  }
+  if (result->space == MotionSpace::arkit)
+    result.warnings.push_back("the names of the " + std::to_string(width) +
+                              " columns are assumed from their number");
+  if (!(fps > 0)) result.warnings.emplace_back("the file states no frame rate: 60 is assumed");
+  return result;
+}
+
+Result<Motion> read_bytes(const std::string& extension, const Bytes& bytes,
+                          const MotionReadOptions& options) {
+  if (extension == ".csv") return read_live_link_csv(as_text(bytes), {.fps = options.fps});
+  if (extension == ".json") return read_motion_json(as_text(bytes));
+  if (extension == ".npy") {
+    MIEN_TRY(auto array, read_npy(bytes));
+    return motion_of_array(std::move(array), options.fps);
+  }
+  return read_glb_motion(bytes);
+}
+
+}  // namespace
+
+std::span<const std::string_view> motion_extensions() { return kExtensions; }
+
+Status write_motion(const std::filesystem::path& path, const Motion& motion, const MotionContext& context) {
+  const std::string extension = lower_extension(path);
+  if (extension == ".csv")
+    return write_text(path, [&](const TextSink& sink) { return write_live_link_csv(motion, sink); });
+  if (extension == ".json")
+    return write_text(
+        path, [&](const TextSink& sink) { return write_motion_json(motion, context.audio_name, sink); });
+  if (extension == ".npy") return write_npy_file(path, motion);
+  if (extension == ".glb") return write_glb_file(path, motion, context);
+  return unknown_extension(path);
+}
+
+Result<Motion> read_motion(const std::filesystem::path& path, const MotionReadOptions& options) {
+  const std::string extension = lower_extension(path);
+  const bool known = std::find(kExtensions.begin(), kExtensions.end(), extension) != kExtensions.end();
+  if (!known && extension != ".gltf") return unknown_extension(path);
+  MIEN_TRY(const Bytes bytes, read_file(path));
+  auto motion = read_bytes(extension, bytes, options);
+  if (!motion) return within(motion.error(), "'" + path.string() + "'");
+  return motion;
+}
+
+}  // namespace mien

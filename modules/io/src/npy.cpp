@@ -1,0 +1,170 @@
+#include "mien/io/npy.h"
+
+#include <cstring>
+#include <optional>
+
+#include "mien/base/number_text.h"
+
+namespace mien {
+namespace {
+
+constexpr char kMagic[] = "\x93NUMPY";
+constexpr std::size_t kMagicSize = 6;
+constexpr std::size_t kAlignment = 64;
+constexpr std::size_t kMaxHeader = 1 << 20;
+
+Error bad(std::string why) { return {Errc::input, ".npy file", std::move(why), ""}; }
+
+// The header is a Python dictionary: {'descr': '<f4', 'fortran_order': False, 'shape': (3, 4), }.
+class HeaderParser {
+ public:
+  explicit HeaderParser(std::string_view text) : text_(text) {}
+
+  std::string type;
+  std::optional<bool> fortran_order;
+  std::optional<std::vector<std::int64_t>> shape;
+
+  bool parse() {
+    if (!take('{')) return false;
+    while (!take('}')) {
+      const auto key = quoted();
+      if (!key || !take(':')) return false;
+      const bool fine = *key == "descr"           ? parse_type()
+                        : *key == "fortran_order" ? parse_order()
+                        : *key == "shape"         ? parse_shape()
+                                                  : false;
+      if (!fine) return false;
+      if (!take(',') && peek() != '}') return false;
+    }
+    return peek() == '\0' && !type.empty() && fortran_order && shape;
+  }
+
+ private:
+  char peek() {
+    while (!text_.empty() && (text_.front() == ' ' || text_.front() == '\n')) text_.remove_prefix(1);
+    return text_.empty() ? '\0' : text_.front();
+  }
+  bool take(char c) {
+    if (peek() != c) return false;
+    text_.remove_prefix(1);
+    return true;
+  }
+  std::optional<std::string_view> quoted() {
+    const char quote = peek();
+    if (quote != '\'' && quote != '"') return std::nullopt;
+    const auto end = text_.find(quote, 1);
+    if (end == std::string_view::npos) return std::nullopt;
+    const auto inside = text_.substr(1, end - 1);
+    text_.remove_prefix(end + 1);
+    return inside;
+  }
+  bool parse_type() {
+    const auto value = quoted();
+    if (value) type = *value;
+    return value.has_value();
+  }
+  bool parse_order() {
+    peek();
+    for (const auto& [word, value] : {std::pair{std::string_view("False"), false}, {"True", true}})
+      if (text_.starts_with(word)) {
+        text_.remove_prefix(word.size());
+        fortran_order = value;
+        return true;
+      }
+    return false;
+  }
+  bool parse_shape() {
+    if (!take('(')) return false;
+    shape.emplace();
+    while (!take(')')) {
+      peek();
+      const auto end = std::min(text_.find_first_not_of("0123456789"), text_.size());
+      const auto size = parse_int(text_.substr(0, end));
+      if (!size || shape->size() >= 32) return false;
+      shape->push_back(*size);
+      text_.remove_prefix(end);
+      if (!take(',') && peek() != ')') return false;
+    }
+    return true;
+  }
+
+  std::string_view text_;
+};
+
+}  // namespace
+
+Bytes npy_header(std::span<const std::int64_t> shape) {
+  std::string text = "{'descr': '<f4', 'fortran_order': False, 'shape': (";
+  for (std::size_t i = 0; i < shape.size(); ++i) {
+    contract(shape[i] >= 0, "npy_header: negative size");
+    text += std::to_string(shape[i]);
+    if (i + 1 < shape.size() || shape.size() == 1) text += i + 1 < shape.size() ? ", " : ",";
+  }
+  text += "), }";
+  const std::size_t before = kMagicSize + 4;  // magic, version, length
+  while ((before + text.size() + 1) % kAlignment != 0) text += ' ';
+  text += '\n';
+  Bytes bytes;
+  for (std::size_t i = 0; i < kMagicSize; ++i) bytes.push_back(static_cast<std::byte>(kMagic[i]));
+  bytes.push_back(std::byte{1});
+  bytes.push_back(std::byte{0});
+  contract(text.size() < 65536, "npy_header: too many dimensions");
+  append_le(bytes, static_cast<std::uint16_t>(text.size()));
+  const auto body = as_bytes(text);
+  bytes.insert(bytes.end(), body.begin(), body.end());
+  return bytes;
+}
+
+Bytes write_npy(const NpyArray& array) {
+  std::size_t count = 1;
+  for (const auto size : array.shape) count *= static_cast<std::size_t>(size);
+  contract(count == array.values.size(), "write_npy: the shape does not fit the values");
+  Bytes bytes = npy_header(array.shape);
+  const auto data = std::as_bytes(std::span(array.values));
+  bytes.insert(bytes.end(), data.begin(), data.end());
+  return bytes;
+}
+
+Result<NpyArray> read_npy(std::span<const std::byte> bytes) {
+  if (bytes.size() < kMagicSize + 4 || std::memcmp(bytes.data(), kMagic, kMagicSize) != 0)
+    return bad("it does not start like a NumPy array");
+  const int version = std::to_integer<int>(bytes[kMagicSize]);
+  if (version < 1 || version > 3)
+    return Error{Errc::incompatible, ".npy file", "version " + std::to_string(version) + ", expected 1 to 3",
+                 ""};
+  const std::size_t header_start = kMagicSize + (version == 1 ? 4 : 6);
+  const auto long_size = read_le<std::uint32_t>(bytes, kMagicSize + 2);
+  const auto short_size = read_le<std::uint16_t>(bytes, kMagicSize + 2);
+  if (version > 1 && !long_size) return bad("it ends inside its header");
+  const std::size_t header_size = version == 1 ? *short_size : *long_size;
+  if (header_size > kMaxHeader || header_size > bytes.size() - header_start)
+    return bad("it ends inside its header");
+  HeaderParser header(as_text(bytes.subspan(header_start, header_size)));
+  if (!header.parse()) return bad("its header is not understood");
+  const std::size_t item = header.type == "<f4" ? 4 : header.type == "<f8" ? 8 : 0;
+  if (item == 0 || *header.fortran_order)
+    return Error{Errc::incompatible, ".npy file",
+                 "its type is '" + header.type + "'" + (*header.fortran_order ? " in Fortran order" : "") +
+                     ", expected '<f4' or '<f8' in C order",
+                 "Save it with numpy.ascontiguousarray(a, dtype='float32')"};
+  std::size_t count = 1;
+  for (const auto size : *header.shape) {
+    const auto product = checked_multiply(count, static_cast<std::size_t>(size));
+    if (!product) return bad("its shape is too large");
+    count = *product;
+  }
+  const auto data = bytes.subspan(header_start + header_size);
+  const auto size = checked_multiply(count, item);
+  if (!size || data.size() != *size)
+    return bad("it has " + std::to_string(data.size()) + " bytes of data, its shape needs another number");
+  NpyArray array{*header.shape, std::vector<float>(count)};
+  if (item == 4) {
+    if (count > 0) std::memcpy(array.values.data(), data.data(), data.size());
+  } else {
+    for (std::size_t i = 0; i < count; ++i)
+      array.values[i] = static_cast<float>(*read_le<double>(data, i * 8));
+  }
+  return array;
+}
+
+}  // namespace mien

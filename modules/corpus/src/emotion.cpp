@@ -8,9 +8,6 @@
 namespace mien {
 namespace {
 
-constexpr std::array<std::string_view, kNumEmotions> kNames = {"neutral", "happy",     "sad",   "surprised",
-                                                               "fear",    "disgusted", "angry", "contempt"};
-
 // A name without Left or Right applies to both sides.
 struct PoseEntry {
   std::string_view name;
@@ -43,20 +40,6 @@ constexpr std::array<EmotionGains, kNumEmotions> kGains = {{
 }};
 
 }  // namespace
-
-std::span<const std::string_view, kNumEmotions> emotion_names() { return kNames; }
-std::string_view name_of(Emotion emotion) { return kNames[static_cast<std::size_t>(emotion)]; }
-
-std::optional<Emotion> parse_emotion(std::string_view name) {
-  const auto found = std::find(kNames.begin(), kNames.end(), name);
-  if (found == kNames.end()) return std::nullopt;
-  return static_cast<Emotion>(found - kNames.begin());
-}
-
-float intensity_of_level(int level) {
-  contract(level >= 1 && level <= 3, "intensity_of_level: level must be 1, 2 or 3");
-  return level == 1 ? 0.35f : level == 2 ? 0.65f : 1.0f;
-}
 
 const ArkitFrame& apex_pose(Emotion emotion) {
   static const std::array<ArkitFrame, kNumEmotions> poses = {pose_of({}),

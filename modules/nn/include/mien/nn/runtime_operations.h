@@ -1,0 +1,46 @@
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "mien/nn/operations.h"
+#include "mien/tensor/ops.h"
+
+namespace mien {
+
+/// The runtime: tensors are [rows, channels], without batch axes. Every operation treats each row alone, so a
+/// network gives the same bits for a row whatever else is in the tensor: what streaming needs to equal
+/// offline.
+template <>
+struct Operations<Tensor> {
+  using Matrix = PackedMatrix;
+
+  static Tensor linear(const Tensor& x, const Matrix& w, const Tensor& b) { return mien::linear(x, w, b); }
+  static Tensor layer_norm(const Tensor& x, const Tensor& gamma, const Tensor& beta) {
+    return mien::layer_norm(x, gamma, beta);
+  }
+  static Tensor gelu(Tensor x) { return mien::gelu(std::move(x)); }
+  static Tensor silu(Tensor x) { return mien::silu(std::move(x)); }
+  static Tensor sigmoid(Tensor x) { return mien::sigmoid(std::move(x)); }
+  static Tensor tanh(Tensor x) { return mien::tanh(std::move(x)); }
+  static Tensor add(Tensor x, const Tensor& y);
+  static Tensor mul(Tensor x, const Tensor& y);
+  static Tensor add_one(Tensor x);
+  static Tensor scale(Tensor x, float s) { return mien::scale(std::move(x), s); }
+  static std::int64_t num_rows(const Tensor& x) { return x.num_rows(); }
+  static Tensor rows(const Tensor& x, std::int64_t first, std::int64_t count) {
+    return mien::rows(x, first, count);
+  }
+  static Tensor columns(const Tensor& x, std::int64_t first, std::int64_t count) {
+    return mien::columns(x, first, count);
+  }
+  static Tensor concat_rows(const std::vector<Tensor>& parts);
+  static Tensor concat_columns(const std::vector<Tensor>& parts) { return concat_last(parts); }
+  static Tensor zero_rows(const Tensor&, std::int64_t count, std::int64_t width) {
+    return Tensor({count, width});
+  }
+  static Tensor unfold(const Tensor& x, std::int64_t kernel, std::int64_t dilation) {
+    return unfold_rows(x, kernel, dilation);
+  }
+};
+
+}  // namespace mien

@@ -1,0 +1,43 @@
+#include "mien/nn/runtime_operations.h"
+
+#include <algorithm>
+
+#include "mien/base/contract.h"
+
+namespace mien {
+namespace {
+
+// A single row applies to all rows: ops.h takes it without its row axis.
+Tensor as_row_vector(const Tensor& y) { return y.reshaped({y.width()}); }
+
+}  // namespace
+
+Tensor Operations<Tensor>::add(Tensor x, const Tensor& y) {
+  if (y.num_rows() == 1 && x.num_rows() != 1) return mien::add(std::move(x), as_row_vector(y));
+  return mien::add(std::move(x), y);
+}
+
+Tensor Operations<Tensor>::mul(Tensor x, const Tensor& y) {
+  if (y.num_rows() == 1 && x.num_rows() != 1) return mien::mul(std::move(x), as_row_vector(y));
+  return mien::mul(std::move(x), y);
+}
+
+Tensor Operations<Tensor>::add_one(Tensor x) {
+  for (float& v : x.values()) v += 1.0f;
+  return x;
+}
+
+Tensor Operations<Tensor>::concat_rows(const std::vector<Tensor>& parts) {
+  contract(!parts.empty(), "concat_rows: at least one part is needed");
+  std::int64_t num_rows = 0;
+  for (const Tensor& p : parts) num_rows += p.num_rows();
+  Tensor out = Tensor::uninitialized({num_rows, parts.front().width()});
+  float* to = out.data();
+  for (const Tensor& p : parts) {
+    contract(p.width() == out.width(), "concat_rows: widths differ");
+    to = std::copy(p.values().begin(), p.values().end(), to);
+  }
+  return out;
+}
+
+}  // namespace mien

@@ -1,0 +1,29 @@
+#pragma once
+#include <cstdint>
+
+#include "mien/audio/load_audio.h"
+#include "mien/base/progress.h"
+#include "mien/base/result.h"
+#include "mien/core/audio_clip.h"
+#include "mien/core/motion.h"
+#include "mien/models/default/stream.h"
+
+namespace mien {
+
+/// Speech to facial motion: 52 ARKit coefficients and 3 head angles at 60 fps.
+/// Errors: a clip shorter than 25 ms (input), cancelled.
+Result<Motion> animate(const DefaultModel& model, const AudioClip& clip, const PerformOptions& options,
+                       Progress& progress);
+
+/// The same for a file that is read while it is animated: memory for the sound does not grow with its length.
+/// `num_takes` performances in parallel on up to `num_threads` threads, with the seeds
+/// take_seed(options.seed, k); the result does not depend on the number of threads. Warnings of the reader
+/// travel with the result.
+Result<std::vector<Motion>> animate(const DefaultModel& model, AudioReader& speech,
+                                    const PerformOptions& options, int num_takes, int num_threads,
+                                    Progress& progress);
+
+/// Take 0 has the seed itself; the others are derived from it.
+std::uint64_t performance_seed(std::uint64_t seed, int take);
+
+}  // namespace mien

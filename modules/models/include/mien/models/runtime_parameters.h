@@ -1,0 +1,50 @@
+#pragma once
+#include <filesystem>
+#include <set>
+#include <string>
+
+#include "mien/io/safetensors.h"
+#include "mien/nn/parameters.h"
+#include "mien/nn/runtime_operations.h"
+
+namespace mien {
+
+/// Fills a runtime network from a model file and packs its matrices: network.visit(visitor), then finish().
+class LoadRuntime : public ParameterVisitor<LoadRuntime> {
+ public:
+  explicit LoadRuntime(const SafetensorsFile& file) : file_(file) {}
+  void matrix(std::string_view name, PackedMatrix& slot, std::int64_t out, std::int64_t in, Init);
+  void tensor(std::string_view name, Tensor& slot, const Shape& shape, Init);
+  void buffer(std::string_view name, Tensor& slot, const Shape& shape) {
+    tensor(name, slot, shape, Init::zero);
+  }
+  /// Errors (Errc::incompatible): every missing tensor, wrong shape, unknown tensor and value that is not
+  /// finite.
+  Status finish() const;
+
+ private:
+  std::vector<float> read(std::string_view name, const Shape& shape);
+  const SafetensorsFile& file_;
+  std::set<std::string> used_;
+  std::string problems_;
+};
+
+/// Counts the parameters of a network from its sizes alone.
+class CountParameters : public ParameterVisitor<CountParameters> {
+ public:
+  template <class M>
+  void matrix(std::string_view, M&, std::int64_t out, std::int64_t in, Init) {
+    total += out * in;
+  }
+  template <class T>
+  void tensor(std::string_view, T&, const Shape& shape, Init) {
+    std::int64_t count = 1;
+    for (const auto size : shape) count *= size;
+    total += count;
+  }
+  template <class T>
+  void buffer(std::string_view, T&, const Shape&) {}
+  std::int64_t total = 0;
+};
+
+}  // namespace mien

@@ -1,0 +1,47 @@
+#pragma once
+#include <torch/torch.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "mien/base/progress.h"
+#include "mien/base/result.h"
+#include "mien/train/torch_parameters.h"
+
+namespace mien::train {
+
+/// How one stage of a training runs.
+struct StageOptions {
+  std::int64_t num_steps = 1000;
+  double learning_rate = 1e-3;  ///< after warm-up; falls along a cosine to 1 % at the last step
+  std::int64_t warm_up_steps = 100;
+  double beta1 = 0.9, beta2 = 0.98;
+  double weight_decay = 0.02;    ///< decoupled (AdamW, Loshchilov and Hutter 2019); matrices only
+  double clip_norm = 1.0;        ///< of the gradient of all parameters together
+  double average_decay = 0.999;  ///< exponential average of the weights, which is what a stage delivers
+  std::int64_t checkpoint_every = 500;
+};
+
+/// Reported after each step.
+struct StepReport {
+  std::int64_t step = 0;
+  double loss = 0, learning_rate = 0, gradient_norm = 0;
+};
+
+/// Minimises `loss(step)` over the trained parameters of `entries`, in order of steps. The state is saved to
+/// `checkpoint` every `checkpoint_every` steps and at the end; when the file exists, the stage goes on from
+/// it and gives the same losses as without the interruption, provided that loss(step) draws all its
+/// randomness from the step. On success the parameters hold their exponential average and need no gradient
+/// any more.
+///
+/// Errors: Errc::cancelled after progress.cancel() (a checkpoint is kept), Errc::failed when the loss is not
+/// finite.
+Status run_stage(const std::string& name, const std::vector<Collect::Entry>& entries,
+                 const StageOptions& options, const std::filesystem::path& checkpoint,
+                 const std::function<torch::Tensor(std::int64_t)>& loss, Progress& progress,
+                 const std::function<void(const StepReport&)>& report);
+
+}  // namespace mien::train

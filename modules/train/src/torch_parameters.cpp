@@ -1,0 +1,81 @@
+#include "mien/train/torch_parameters.h"
+
+#include <cmath>
+
+#include "mien/base/hash.h"
+
+namespace mien::train {
+namespace {
+
+torch::Tensor initial(const std::string& name, const Shape& shape, Init init, std::int64_t fan_in,
+                      std::uint64_t seed) {
+  switch (init) {
+    case Init::zero:
+      return torch::zeros(shape);
+    case Init::one:
+      return torch::ones(shape);
+    case Init::fan_in:
+    case Init::normal:
+      break;
+  }
+  torch::Tensor values = torch::empty(shape);
+  Rng rng(hash64(name, seed));
+  const double bound = 1.0 / std::sqrt(static_cast<double>(fan_in));
+  float* p = values.data_ptr<float>();
+  for (std::int64_t i = 0; i < values.numel(); ++i)
+    p[i] = static_cast<float>(init == Init::normal ? rng.normal(0, 0.02) : rng.uniform(-bound, bound));
+  return values;
+}
+
+}  // namespace
+
+void Initialise::matrix(std::string_view name, torch::Tensor& slot, std::int64_t out, std::int64_t in,
+                        Init init) {
+  slot = initial(full_name(name), {out, in}, init, in, seed_).requires_grad_(true);
+}
+
+void Initialise::tensor(std::string_view name, torch::Tensor& slot, const Shape& shape, Init init) {
+  slot = initial(full_name(name), shape, init, shape.back(), seed_).requires_grad_(true);
+}
+
+void Initialise::buffer(std::string_view, torch::Tensor& slot, const Shape& shape) {
+  slot = torch::zeros(shape);
+}
+
+Status load_parameters(const std::vector<Collect::Entry>& entries, const SafetensorsFile& file) {
+  std::string problems;
+  for (const auto& entry : entries) {
+    const auto shape = entry.slot->sizes().vec();
+    const auto found = file.expect(entry.name, shape);
+    if (!found) problems += (problems.empty() ? "" : "; ") + found.error().message();
+  }
+  for (const auto& stored : file.tensors()) {
+    const bool known =
+        std::any_of(entries.begin(), entries.end(), [&](const auto& e) { return e.name == stored.name; });
+    if (!known) problems += (problems.empty() ? "" : "; ") + ("unknown tensor '" + stored.name + "'");
+  }
+  if (!problems.empty())
+    return Error{Errc::incompatible, "weights", problems, "Was it trained with other sizes?"};
+  const torch::NoGradGuard no_grad;
+  for (const auto& entry : entries) {
+    MIEN_TRY(auto values, file.read_float(entry.name));
+    entry.slot->copy_(torch::from_blob(values.data(), entry.slot->sizes()));
+  }
+  return Done{};
+}
+
+Status save_parameters(const std::vector<Collect::Entry>& entries, const std::filesystem::path& path,
+                       bool half, const std::map<std::string, std::string>& metadata) {
+  std::vector<StoredTensor> stored;
+  for (const auto& e : entries)
+    stored.push_back({e.name, half && e.trained ? Dtype::f16 : Dtype::f32, e.slot->sizes().vec()});
+  MIEN_TRY(auto writer, SafetensorsWriter::create(path, stored, metadata));
+  for (const auto& e : entries) {
+    const torch::Tensor values = e.slot->detach().to(torch::kCPU).contiguous();
+    const std::span<const float> span(values.data_ptr<float>(), static_cast<std::size_t>(values.numel()));
+    MIEN_TRY([[maybe_unused]] const auto written, writer.write_float(e.name, span));
+  }
+  return writer.finish();
+}
+
+}  // namespace mien::train

@@ -1,0 +1,143 @@
+// mien-train: trains the default model from a prepared set. `mien train` calls it.
+#include <CLI/CLI.hpp>
+#include <fstream>
+
+#include "mien/base/number_text.h"
+#include "mien/console/console_exit.h"
+#include "mien/models/default/model_metadata.h"
+#include "training_config.h"
+
+namespace mien::train {
+namespace {
+
+// One line per step in <work folder>/log.tsv, and the loss behind the progress bar.
+class StepLog {
+ public:
+  StepLog(const std::filesystem::path& path, ConsoleProgress& progress)
+      : file_(path, std::ios::app), progress_(progress) {}
+
+  void begin(std::string stage) { stage_ = std::move(stage), smooth_ = -1; }
+  void operator()(const StepReport& r) {
+    smooth_ = smooth_ < 0 ? r.loss : 0.98 * smooth_ + 0.02 * r.loss;
+    file_ << stage_ << '\t' << r.step << '\t' << shortest(static_cast<float>(r.loss)) << '\t'
+          << shortest(static_cast<float>(r.learning_rate)) << '\t'
+          << shortest(static_cast<float>(r.gradient_norm)) << '\n';
+    if (r.step % 100 == 0) file_.flush();
+    progress_.note("loss " + fixed(smooth_, 4));
+  }
+
+ private:
+  std::ofstream file_;
+  ConsoleProgress& progress_;
+  std::string stage_;
+  double smooth_ = -1;
+};
+
+Status train(const TrainingConfig& config, ConsoleProgress& progress) {
+  torch::set_num_threads(config.num_threads);
+  MIEN_TRY(const auto set, TrainingSet::open(config.data));
+  std::error_code ec;
+  std::filesystem::create_directories(config.work_folder, ec);
+  if (ec) return Error{Errc::failed, config.work_folder.string(), "cannot be created: " + ec.message(), ""};
+  StepLog log(config.work_folder / "log.tsv", progress);
+  const auto report = [&](const StepReport& r) { log(r); };
+
+  Network network(config.sizes);
+  Initialise initialise(config.options.seed);
+  network.visit(initialise);
+  for (const auto& entry : parameters(network)) *entry.slot = entry.slot->detach().to(config.options.device);
+  measure_face_statistics(set, network);
+
+  MeanStage mean(set, network, config.options);
+  log.begin("mean");
+  MIEN_TRY(
+      [[maybe_unused]] const auto mean_done,
+      run_stage(
+          "mean path", mean.parameters(), config.mean, config.work_folder / "mean.checkpoint.safetensors",
+          [&](std::int64_t step) { return mean.loss(step); }, progress, report));
+  progress.say("mean path: validation loss " + fixed(mean.validation_loss(20), 4));
+
+  const auto features_path = config.work_folder / "features.safetensors";
+  if (!std::filesystem::exists(features_path)) {
+    MIEN_TRY([[maybe_unused]] const auto written,
+             write_chunk_features(set, network, config.options, features_path, progress));
+  }
+  MIEN_TRY(const auto features, ChunkFeatures::open(features_path));
+  measure_coefficient_sd(set, features, network, config.options);
+
+  DiffusionStage diffusion(set, features, network, config.options);
+  log.begin("diffusion");
+  MIEN_TRY([[maybe_unused]] const auto diffusion_done,
+           run_stage(
+               "diffusion path", diffusion.parameters(), config.diffusion,
+               config.work_folder / "diffusion.checkpoint.safetensors",
+               [&](std::int64_t step) { return diffusion.loss(step); }, progress, report));
+
+  BlinkStage blink(set, features, network, config.options);
+  log.begin("blink");
+  MIEN_TRY(
+      [[maybe_unused]] const auto blink_done,
+      run_stage(
+          "blink path", blink.parameters(), config.blink, config.work_folder / "blink.checkpoint.safetensors",
+          [&](std::int64_t step) { return blink.loss(step); }, progress, report));
+
+  default_model::ModelMetadata metadata;
+  metadata.name = config.name;
+  metadata.sizes = config.sizes;
+  metadata.look_ahead_mel_frames = config.options.look_ahead_mel_frames;
+  metadata.training_config = config.text;
+  metadata.training_set = set.description();
+  MIEN_TRY([[maybe_unused]] const auto saved,
+           save_parameters(parameters(network), config.output, true, default_model::to_metadata(metadata)));
+  progress.say("wrote " + config.output.string());
+  return Done{};
+}
+
+}  // namespace
+}  // namespace mien::train
+
+int main(int argc, char** argv) {
+  using namespace mien;
+  CLI::App app{
+      "Train a model from a prepared set. Runs again after an interruption go on from the last checkpoint.",
+      "mien train"};
+  std::string config_path, data, output, work_folder, device = "cpu";
+  int threads = 0;
+  bool quiet = false, json = false;
+  app.add_option("CONFIG", config_path, "Training configuration (TOML)")->required();
+  app.add_option("--data", data, "Prepared set; replaces [run] data");
+  app.add_option("-o,--output", output, "Model file to write; replaces [run] output");
+  app.add_option("--work-folder", work_folder, "Checkpoints and log; replaces [run] work_folder");
+  app.add_option("--threads", threads, "Threads; replaces [run] threads")->check(CLI::PositiveNumber);
+  app.add_option("--device", device, "cpu or cuda")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"cpu", "cuda"}));
+  app.add_flag("--quiet", quiet, "Print errors only");
+  app.add_flag("--json", json, "One JSON event a line on stderr");
+  app.footer(
+      "Examples:\n"
+      "  mien corpus prepare -o set.safetensors && mien train configs/default.toml\n"
+      "  mien train configs/default.toml --data set.safetensors --device cuda -o model.safetensors\n"
+      "Exit codes: 0 done, 1 failed, 2 wrong usage, 3 unreadable input, 4 data do not fit, 130 interrupted.");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    return app.exit(e) == 0 ? 0 : 2;
+  }
+  ConsoleProgress progress(json ? ConsoleMode::json : quiet ? ConsoleMode::quiet : ConsoleMode::text);
+  cancel_on_interrupt(progress);
+  auto config = train::load_training_config(config_path);
+  if (!config) return report_error(config.error(), progress);
+  if (!data.empty()) config->data = data;
+  if (!output.empty()) config->output = output;
+  if (!work_folder.empty()) config->work_folder = work_folder;
+  if (threads > 0) config->num_threads = threads;
+  if (device == "cuda") {
+    if (!torch::cuda::is_available())
+      return report_error(
+          {Errc::usage, "--device cuda", "this LibTorch finds no CUDA device", "Use --device cpu"}, progress);
+    config->options.device = torch::kCUDA;
+  }
+  const auto done = train::train(*config, progress);
+  return done ? 0 : report_error(done.error(), progress);
+}

@@ -48,7 +48,9 @@ Result<CorpusReader> CorpusReader::open(const fs::path& folder) {
 }
 
 fs::path CorpusReader::audio_path(const CorpusItem& item) const {
-  return folder_ / "audio" / (item.id + ".wav");
+  const fs::path flac = folder_ / "audio" / (item.id + ".flac");
+  std::error_code ignored;
+  return fs::exists(flac, ignored) ? flac : folder_ / "audio" / (item.id + ".wav");
 }
 
 Result<Utterance> CorpusReader::utterance(const CorpusItem& item) const {

@@ -56,6 +56,7 @@ Result<Clip> speak(const ClipRequest& request) {
   const auto speaking = with_emotion(request.speaking, request.emotion, request.intensity);
   MIEN_TRY(const auto sentence, engine->synthesise(request.text, request.voice, speaking));
   Clip clip;
+  clip.num_sentences = 1;
   MIEN_TRY(clip.spoken, utterance_of(sentence, request));
   auto samples = resample_audio(sentence.samples, sentence.sample_rate_hz, kRate);
   color_with_emotion(samples, request.emotion, request.intensity);
@@ -81,6 +82,7 @@ Clip join_clips(std::vector<Clip> parts) {
   for (auto& part : parts) {
     all.samples.insert(all.samples.end(), part.samples.begin(), part.samples.end());
     spoken.push_back(std::move(part.spoken));
+    all.num_sentences += part.num_sentences;
   }
   all.spoken = join(std::move(spoken));
   all.spoken.seconds = static_cast<double>(all.samples.size()) / kRate;
@@ -88,7 +90,7 @@ Clip join_clips(std::vector<Clip> parts) {
 }
 
 Clip without_speech(std::vector<float> samples) {
-  Clip clip{std::move(samples), {}};
+  Clip clip{std::move(samples), {}, 0};
   clip.spoken.seconds = static_cast<double>(clip.samples.size()) / kRate;
   return clip;
 }

@@ -12,6 +12,7 @@ namespace mien {
 struct Clip {
   std::vector<float> samples;
   Utterance spoken;
+  std::size_t num_sentences = 0;
 };
 
 struct ClipRequest {

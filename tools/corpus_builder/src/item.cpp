@@ -12,7 +12,9 @@
 namespace mien {
 namespace {
 
-constexpr double kShortestItem = 12, kLongestItem = 20;  // seconds
+// Seconds of a training item: a sentence that would make a long enough item too long is left out.
+constexpr double kShortestItem = 12, kLongestItem = 20;
+constexpr double kLongestOvershoot = 8;  // of items that are meant to be longer than that
 constexpr double kRate = kModelSampleRateHz;
 
 std::vector<float> modulated_noise(std::size_t count, Rng& rng) {
@@ -68,20 +70,24 @@ Result<Clip> speak_item(const ItemPlan& item, std::uint64_t seed) {
   if (item.non_speech != NonSpeech::none) return make_non_speech(item.non_speech, item.target_seconds, rng);
   std::vector<Clip> parts;
   double total = 0;
+  const double longest = std::max(kLongestItem, item.target_seconds + kLongestOvershoot);
   for (const auto& text : item.texts) {
     if (total >= item.target_seconds) break;
     ClipRequest request{item.engine, item.voice, text, item.speaking, item.emotion, item.intensity(), 0, 0};
     request.speaking.rate *= std::max(0.8, rng.normal(1, 0.04));  // nobody keeps one speed
     request.pad_before_s = parts.empty() ? rng.uniform(0.15, 0.5) : rng.uniform(0.05, 0.6);
     MIEN_TRY(auto clip, speak(request));
-    if (total >= kShortestItem && total + clip.spoken.seconds > kLongestItem) break;
+    if (total >= kShortestItem && total + clip.spoken.seconds > longest) break;
     total += clip.spoken.seconds;
     parts.push_back(std::move(clip));
   }
   if (parts.empty()) return Error{Errc::failed, item.id, "there is no sentence to speak", ""};
   parts.push_back(
       without_speech(std::vector<float>(static_cast<std::size_t>(rng.uniform(0.15, 0.5) * kRate), 0.0f)));
-  return join_clips(std::move(parts));
+  auto clip = join_clips(std::move(parts));
+  // The silence at the end is not what makes a question.
+  clip.spoken.is_question = item.texts[clip.num_sentences - 1].find('?') != std::string::npos;
+  return clip;
 }
 
 BabblePool make_babble_pool(const std::vector<ItemPlan>& items, std::size_t count, std::uint64_t seed,

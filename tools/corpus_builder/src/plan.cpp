@@ -2,19 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
+#include "carousel.h"
 #include "mien/base/hash.h"
-#include "mien/base/number_text.h"
 
 namespace mien {
 namespace {
 
-constexpr double kShortest = 12,
-                 kLongestTarget = 17;  // seconds; the sentence that fills an item may run to 20
-constexpr double kMeanItem = 16.4;     // seconds that targets of 12 ... 17 give, measured
+constexpr double kShortest = 12, kLongest = 17;  // seconds; the sentence that fills an item may run to 20
+constexpr double kMeanItem = 17.1;               // seconds that these targets give, measured
 constexpr double kNonSpeechShare = 0.025;
-constexpr double kLettersPerSecond = 11;  // of slow speech, so that an item never runs out of sentences
 
 struct Part {
   EngineId engine;
@@ -23,45 +20,6 @@ struct Part {
 };
 constexpr Part kParts[] = {
     {EngineId::espeak, false, 5.0}, {EngineId::espeak, true, 2.0}, {EngineId::flite, false, 2.5}};
-
-// Walks through a list in a random order, again and again, so that every sentence is used about equally
-// often.
-class Carousel {
- public:
-  Carousel(const std::vector<std::string>& items, Rng& rng) : items_(&items), order_(items.size()) {
-    std::iota(order_.begin(), order_.end(), std::size_t{0});
-    for (std::size_t i = order_.size(); i > 1; --i) std::swap(order_[i - 1], order_[rng.below(i)]);
-  }
-  const std::string& next() { return (*items_)[order_[at_++ % order_.size()]]; }
-  [[nodiscard]] bool empty() const { return order_.empty(); }
-
- private:
-  const std::vector<std::string>* items_;
-  std::vector<std::size_t> order_;
-  std::size_t at_ = 0;
-};
-
-template <class T>
-const T& any_of_list(const std::vector<T>& list, Rng& rng) {
-  return list[rng.below(list.size())];
-}
-
-void fill_texts(ItemPlan& item, Carousel& sentences) {
-  double letters = 0;
-  while (letters < kLettersPerSecond * 1.5 * kLongestTarget && !sentences.empty()) {
-    item.texts.push_back(sentences.next());
-    letters += static_cast<double>(item.texts.back().size());
-  }
-}
-
-// All carousels of one split.
-struct Carousels {
-  Carousels(const SentenceBank& bank, Rng& rng) : english(bank.english, rng) {
-    for (const auto& [voice, list] : bank.babble) babble.emplace(voice, Carousel(list, rng));
-  }
-  Carousel english;
-  std::map<std::string, Carousel> babble;
-};
 
 }  // namespace
 
@@ -105,10 +63,14 @@ Speaking draw_flite_speaking(Rng& rng) {
   return s;
 }
 
-void draw_emotion(ItemPlan& item, Rng& rng) {
+const std::string& any_of(const std::vector<std::string>& list, Rng& rng) {
+  return list[rng.below(list.size())];
+}
+
+void draw_emotion(ItemPlan& item, Rng& rng, double emotional_share) {
   item.emotion = Emotion::neutral;
   item.level = 0;
-  const bool is_emotional = rng.chance(0.5);
+  const bool is_emotional = rng.chance(emotional_share);
   const auto which = static_cast<Emotion>(1 + rng.below(kNumEmotions - 1));
   const double u = rng.uniform();
   if (!is_emotional) return;
@@ -133,8 +95,9 @@ std::vector<ItemPlan> plan_training(const TrainingPlanOptions& options, std::vec
   const auto bank_size = [&](double share) {
     return std::clamp<std::size_t>(static_cast<std::size_t>(share * static_cast<double>(count)), 40, 6000);
   };
-  const auto train_bank = make_sentence_bank(TextSplit::train, bank_size(4), bank_size(0.15), options.seed);
-  const auto valid_bank = make_sentence_bank(TextSplit::valid, bank_size(0.4), bank_size(0.02), options.seed);
+  const auto train_bank = make_sentence_bank(TextSplit::train, {bank_size(4), bank_size(0.15)}, options.seed);
+  const auto valid_bank =
+      make_sentence_bank(TextSplit::valid, {bank_size(0.4), bank_size(0.02)}, options.seed);
   Rng rng(hash_combine(hash64("training plan"), options.seed));
   Carousels train(train_bank, rng), valid(valid_bank, rng);
 
@@ -145,7 +108,7 @@ std::vector<ItemPlan> plan_training(const TrainingPlanOptions& options, std::vec
     item.id = "item" + std::to_string(i);
     item.split = rng.chance(options.valid_share) ? TextSplit::valid : TextSplit::train;
     auto& sentences = item.split == TextSplit::valid ? valid : train;
-    item.target_seconds = rng.uniform(kShortest, kLongestTarget);
+    item.target_seconds = rng.uniform(kShortest, kLongest);
     draw_emotion(item, rng);
     // The part that is furthest behind its share comes next.
     for (std::size_t p = 0; p < parts.size(); ++p) due[p] += parts[p].weight / weights;
@@ -154,15 +117,14 @@ std::vector<ItemPlan> plan_training(const TrainingPlanOptions& options, std::vec
     item.engine = parts[p].engine;
     if (item.engine == EngineId::flite) {
       static const std::vector<std::string> kVoices = {"kal16", "awb", "rms"};
-      item.voice = any_of_list(kVoices, rng);
+      item.voice = any_of(kVoices, rng);
       item.speaking = draw_flite_speaking(rng);
-      fill_texts(item, sentences.english);
+      item.texts = sentences.english.take(kLongest);
     } else {
-      const auto& file =
-          parts[p].is_babble ? any_of_list(babble_voices(), rng) : any_of_list(english_voices(), rng);
-      item.voice = file + "+" + any_of_list(training_variants(), rng);
+      const auto& file = parts[p].is_babble ? any_of(babble_voices(), rng) : any_of(english_voices(), rng);
+      item.voice = file + "+" + any_of(training_variants(), rng);
       item.speaking = draw_espeak_speaking(rng);
-      fill_texts(item, parts[p].is_babble ? sentences.babble.at(file) : sentences.english);
+      item.texts = (parts[p].is_babble ? sentences.babble.at(file) : sentences.english).take(kLongest);
     }
     items.push_back(std::move(item));
   }
@@ -172,7 +134,7 @@ std::vector<ItemPlan> plan_training(const TrainingPlanOptions& options, std::vec
     ItemPlan item;
     item.id = "quiet" + std::to_string(i);
     item.non_speech = kKinds[i % 3];
-    item.target_seconds = rng.uniform(kShortest, kLongestTarget);
+    item.target_seconds = rng.uniform(kShortest, kLongest);
     draw_emotion(item, rng);
     items.push_back(std::move(item));
   }

@@ -50,7 +50,10 @@ const std::vector<std::string>& english_voices();
 // How a voice is varied from item to item; shared with the evaluation sets.
 Speaking draw_espeak_speaking(Rng& rng);
 Speaking draw_flite_speaking(Rng& rng);
-/// Half neutral (level 0), else one of the seven emotions at level 1, 2, 3 with 30, 40, 30 %.
-void draw_emotion(ItemPlan& item, Rng& rng);
+/// One of the seven emotions at level 1, 2, 3 (30, 40, 30 %) with the given probability, else neutral (level
+/// 0).
+void draw_emotion(ItemPlan& item, Rng& rng, double emotional_share = 0.5);
+/// One element, equally likely. @pre not empty
+const std::string& any_of(const std::vector<std::string>& list, Rng& rng);
 
 }  // namespace mien

@@ -70,8 +70,7 @@ const std::vector<std::string>& babble_voices() {
   return voices;
 }
 
-SentenceBank make_sentence_bank(TextSplit split, std::size_t num_english, std::size_t num_babble,
-                                std::uint64_t seed) {
+SentenceBank make_sentence_bank(TextSplit split, const SentenceBankSize& size, std::uint64_t seed) {
   SentenceBank bank;
   Rng rng(hash_combine(hash64("sentence bank"), seed));
   SentenceSelector english([](const std::string& text) { return visemes_of_text(text, "gmw/en-US"); });
@@ -84,12 +83,14 @@ SentenceBank make_sentence_bank(TextSplit split, std::size_t num_english, std::s
   for (const auto text : fixed_sentences())
     if (split_of_text(text) == split) written.emplace_back(text);
   bank.english = english.select(written, written.size());
-  add(bank.english, english, num_english * 7 / 10, draw_sentence);
-  add(bank.english, english, num_english / 4, draw_babble);
-  add(bank.english, english, num_english / 20, draw_numbers);
+  const std::size_t nonsense = size.plain_english ? 0 : size.english / 4;
+  const std::size_t numbers = size.plain_english ? 0 : size.english / 20;
+  add(bank.english, english, size.english - nonsense - numbers, draw_sentence);
+  add(bank.english, english, nonsense, draw_babble);
+  add(bank.english, english, numbers, draw_numbers);
   for (const auto& voice : babble_voices()) {
     SentenceSelector selector([&voice](const std::string& text) { return visemes_of_text(text, voice); });
-    add(bank.babble[voice], selector, num_babble, draw_babble);
+    add(bank.babble[voice], selector, size.babble_per_language, draw_babble);
   }
   return bank;
 }

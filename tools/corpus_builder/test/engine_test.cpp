@@ -140,7 +140,7 @@ TEST(Clip, EmotionChangesTempoAndLevel) {
 
 TEST(Clip, JoiningKeepsTimesAndSamplesTogether) {
   const auto make = [](std::size_t count, double phone_at) {
-    Clip c{std::vector<float>(count, 0.5f), {}};
+    Clip c{std::vector<float>(count, 0.5f), {}, 1};
     PhoneSegment p;
     p.start_s = phone_at;
     p.end_s = phone_at + 0.01;

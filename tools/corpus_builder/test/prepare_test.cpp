@@ -11,25 +11,12 @@
 #include "mien/base/file.h"
 #include "set_check.h"
 #include "set_writer.h"
+#include "test_folder.h"
 
 namespace mien {
 namespace {
 
 namespace fs = std::filesystem;
-
-class Folder {
- public:
-  Folder() {
-    std::string name = (fs::temp_directory_path() / "mien-corpus-test-XXXXXX").string();
-    path_ = ::mkdtemp(name.data());
-  }
-  ~Folder() { fs::remove_all(path_); }
-  [[nodiscard]] fs::path operator/(const char* name) const { return path_ / name; }
-  [[nodiscard]] const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
 
 Bytes text_bytes(const std::string& text) {
   const auto b = as_bytes(text);
@@ -115,7 +102,7 @@ TEST(Plan, KeepsTestSentencesAndTestVoicesOut) {
 TEST(Prepare, SerialAndParallelGiveTheSameFile) {
   if (find_engine(EngineId::espeak) == nullptr || find_engine(EngineId::flite) == nullptr)
     GTEST_SKIP() << "espeak or flite is absent";
-  const Folder folder;
+  const TestFolder folder;
   Progress silent;
   auto options = small_options();
   const auto serial = prepare_set(folder / "a.safetensors", options, silent);
@@ -188,7 +175,7 @@ TEST(Prepare, EntriesSurviveTheirBytesAndCutBytesDoNot) {
 }
 
 TEST(Prepare, WriterRefusesAnEmptySetAndAMissingFolder) {
-  const Folder folder;
+  const TestFolder folder;
   Progress silent;
   auto writer = SetWriter::create(folder / "empty.safetensors", 1);
   ASSERT_TRUE(writer.has_value());
@@ -197,7 +184,7 @@ TEST(Prepare, WriterRefusesAnEmptySetAndAMissingFolder) {
 }
 
 TEST(Check, NamesWhatIsWrong) {
-  const Folder folder;
+  const TestFolder folder;
   EXPECT_EQ(check_set(folder / "missing.safetensors").error().code, Errc::input);
   ItemPlan item;
   Utterance spoken;

@@ -34,7 +34,7 @@ class CorpusReader {
   /// another version of the generator (Errc::incompatible). @pre count >= 0
   [[nodiscard]] Result<ItemTakes> takes(const CorpusItem& item, int count) const;
 
-  /// 16 kHz wav; it exists when the corpus was built with audio.
+  /// 16 kHz .flac, or .wav when there is none; the file exists when the corpus was built with audio.
   [[nodiscard]] std::filesystem::path audio_path(const CorpusItem& item) const;
 
  private:

@@ -165,9 +165,9 @@ std::vector<Field> make_fields() {
       "of a held-out take among the generated ones in 0.5 s means of jawOpen, mouthSmile, browInnerUp, "
       "eyeBlink, gaze x, per degree of freedom; about 1");
   add(f, &Figures::coverage_50, "coverage 50 %", "",
-      "share of those means inside the central half of the takes (with 8 takes .44 is ideal)");
+      "share of those means inside the central half of the takes (ideal .5 (K - 1) / (K + 1))");
   add(f, &Figures::coverage_90, "coverage 90 %", "",
-      "the same for the central 90 % (with 8 takes .75 is ideal)");
+      "the same for the central 90 % (ideal .9 (K - 1) / (K + 1))");
   add(f, &Figures::blink_rate_ratio, "blink rate, generated / true", "", "both lids' mean rising through 0.5",
       ".85 ... 1.15");
   add(f, &Figures::blinks, "blinks", "1/min", "generated");

@@ -67,6 +67,19 @@ SpeechLabels labels_of(const Utterance& utterance) {
   return labels;
 }
 
+Utterance utterance_of(const SpeechLabels& labels) {
+  Utterance utterance;
+  for (const PhoneRow& row : labels.rows) {
+    const std::string phone = row.is_silence() ? "pau" : row.phone;
+    PhoneSegment segment{row.start, row.end, phone, visemes_of_arpabet(phone).value_or(Visemes{Viseme::AX})};
+    if (row.closure)
+      segment.closure = TimeSpan{row.closure->start, std::max(row.closure->start, row.closure->end)};
+    utterance.phones.push_back(std::move(segment));
+  }
+  utterance.seconds = labels.seconds();
+  return utterance;
+}
+
 std::vector<TimeInterval> pause_intervals(const Utterance& utterance) {
   std::vector<TimeInterval> out;
   for (const TimeSpan& pause : pauses_of(utterance)) out.push_back({pause.start_s, pause.end_s});

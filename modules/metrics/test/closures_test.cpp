@@ -92,6 +92,17 @@ TEST(Closures, ClosedButNotTouchingIsAHitThatDoesNotSeal) {
   EXPECT_DOUBLE_EQ(s.depth(), 0.05 / 0.4);
 }
 
+TEST(Closures, AMouthThatHardlyOpensNearbyHitsNothing) {
+  Aperture a = open_except(2.1, {{1.0, 1.1}});
+  const auto open_nearby = [&](double opening) {
+    for (std::size_t n = 45; n <= 81; ++n)  // 0.75 ... 1.35 s
+      if (a.values[n] != 0) a.values[n] = opening;
+    return score_closures(a, kOne, kClosureToleranceSeconds).hits;
+  };
+  EXPECT_EQ(open_nearby(0.13), 0);  // theta + 0.20 R = 0.06 + 0.08
+  EXPECT_EQ(open_nearby(0.15), 1);
+}
+
 TEST(Closures, RestingLipsInSilenceAreNotCounted) {
   const ClosureScore s =
       score_closures(open_except(2.1, {{0, 0.45}, {1.0, 1.1}, {1.7, 2.1}}), kOne, kClosureToleranceSeconds);

@@ -98,6 +98,8 @@ TEST(Calibration, OfRightSamplesIsIdeal) {
     EXPECT_EQ(ranks.windows, 4 * 30);
     EXPECT_EQ(ranks.counts.size(), 9u);
     EXPECT_LT(ranks.chi_squared_per_degree(), 4);
+    EXPECT_NEAR(ranks.coverage_50(), 0.50 * 7 / 9, 0.15);
+    EXPECT_NEAR(ranks.coverage_90(), 0.90 * 7 / 9, 0.15);
   }
 }
 

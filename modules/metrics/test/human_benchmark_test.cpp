@@ -9,9 +9,11 @@
 #include "labels_for_tests.h"
 #include "mien/audio/load_audio.h"
 #include "mien/base/hash.h"
+#include "mien/corpus/take.h"
 #include "mien/metrics/baselines.h"
 #include "mien/metrics/human_report.h"
 #include "mien/metrics/loudness.h"
+#include "mien/metrics/utterance_labels.h"
 
 namespace mien {
 namespace {
@@ -130,6 +132,35 @@ TEST(HumanBenchmark, TheSetIsAsItsReadmeSays) {
   EXPECT_EQ(counts[1], 6);
   EXPECT_EQ(counts[2], 10);
   EXPECT_EQ(counts[3], 11);
+}
+
+// What a perfect recogniser of phones in front of the corpus generator would reach: the ceiling of systems
+// trained on it.
+TEST(HumanBenchmark, TheCurveGeneratorOnTrueLabelsIsNearTheTop) {
+  if (!std::filesystem::exists(human_folder() / "manifest.json"))
+    GTEST_SKIP() << human_folder() << " is absent";
+  const auto clips = read_benchmark(human_folder());
+  ASSERT_TRUE(clips);
+  HumanEvaluation evaluation;
+  evaluation.load = load_audio;
+  evaluation.generate = [&](std::string_view id, std::span<const float>) -> Result<std::vector<Motion>> {
+    const auto clip = std::find_if(clips->begin(), clips->end(), [&](const auto& c) { return c.id == id; });
+    MIEN_TRY(const SpeechLabels labels, read_labels(*clip));
+    return std::vector<Motion>{default_performance(utterance_of(labels))};
+  };
+  Progress progress;
+  const auto report = evaluate_human(human_folder(), evaluation, progress);
+  ASSERT_TRUE(report) << report.error().message();
+  std::vector<HumanClipScore> english;
+  for (const std::size_t i : report->group(SpeechGroup::english_clean)) english.push_back(report->scores[i]);
+  const HumanFigures f = pool_human(english);
+  EXPECT_GT(f.hit_rate, 0.98);
+  EXPECT_GT(f.f1, 0.88);
+  EXPECT_GT(f.sealed_share, 0.98);
+  EXPECT_LT(std::abs(f.timing_bias_ms), 15);
+  EXPECT_LT(f.pause_motion_ratio, 0.05);
+  EXPECT_LT(f.mean_pause_aperture, 0.02);
+  EXPECT_GT(f.jaw_energy_r, 0.4);
 }
 
 HumanClipScore clip_score(const std::string& id, const std::string& speaker, const Aperture& aperture) {

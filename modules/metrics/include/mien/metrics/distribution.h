@@ -68,7 +68,8 @@ struct RankHistogram {
   RankHistogram& operator+=(const RankHistogram& other);
   /// Chi-squared against equal counts, divided by its degrees of freedom K: about 1 when calibrated.
   [[nodiscard]] double chi_squared_per_degree() const;
-  /// Share of windows in which y lies in the central 50 % (90 %) of the samples.
+  /// Share of windows in which y lies in the central 50 % (90 %) of the samples; ideal is that share times
+  /// (K - 1) / (K + 1), because the quantiles of K samples lie inside those of their distribution.
   [[nodiscard]] double coverage_50() const;
   [[nodiscard]] double coverage_90() const;
 };

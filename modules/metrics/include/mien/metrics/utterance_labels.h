@@ -13,6 +13,10 @@ namespace mien {
 /// labiodentals are called "f"; everything has confidence 1.
 SpeechLabels labels_of(const Utterance& utterance);
 
+/// The other way: labels of a recording as an utterance, so that the generator of the corpus can perform what
+/// a person said. ARPABET phones; an unknown one becomes a schwa. No accents.
+Utterance utterance_of(const SpeechLabels& labels);
+
 /// pauses_of() as intervals.
 std::vector<TimeInterval> pause_intervals(const Utterance& utterance);
 

@@ -33,36 +33,82 @@ class StepLog {
   double smooth_ = -1;
 };
 
+Status export_model(const TrainingConfig& config, const TrainingSet& set, Network& network,
+                    const std::filesystem::path& path) {
+  default_model::ModelMetadata metadata;
+  metadata.name = config.name;
+  metadata.sizes = config.sizes;
+  metadata.look_ahead_mel_frames = config.options.look_ahead_mel_frames;
+  metadata.training_config = config.text;
+  metadata.training_set = set.description();
+  return save_parameters(parameters(network), path, true, default_model::to_metadata(metadata));
+}
+
+// The names of a run's files.
+struct WorkFiles {
+  explicit WorkFiles(const std::filesystem::path& folder)
+      : log(folder / "log.tsv"), features(folder / "features.safetensors"), mean(folder / "mean.checkpoint.safetensors"),
+        diffusion(folder / "diffusion.checkpoint.safetensors"), blink(folder / "blink.checkpoint.safetensors") {}
+  std::filesystem::path log, features, mean, diffusion, blink;
+};
+
+Network initial_network(const TrainingConfig& config, const TrainingSet& set) {
+  Network network(config.sizes);
+  Initialise initialise(config.options.seed);
+  network.visit(initialise);
+  for (const auto& entry : parameters(network)) *entry.slot = entry.slot->detach().to(config.options.device);
+  measure_face_statistics(set, network);
+  return network;
+}
+
+// The model as far as it is: averaged weights of the last checkpoints, start values where there is none yet.
+Status snapshot(const TrainingConfig& config, const std::filesystem::path& path, ConsoleProgress& progress) {
+  MIEN_TRY(const auto set, TrainingSet::open(config.data));
+  const WorkFiles files(config.work_folder);
+  Network network = initial_network(config, set);
+  if (std::filesystem::exists(files.features)) {
+    MIEN_TRY(const auto features, ChunkFeatures::open(files.features));
+    measure_coefficient_sd(set, features, network, config.options);
+  }
+  Collect mean, diffusion, blink;
+  mean.scope("encoder", network.encoder);
+  mean.scope("mean", network.mean);
+  diffusion.scope("diffusion", network.diffusion);
+  blink.scope("blink", network.blink);
+  for (const auto& [stage, file] : {std::pair{&mean, &files.mean}, {&diffusion, &files.diffusion}, {&blink, &files.blink}}) {
+    if (!std::filesystem::exists(*file)) continue;
+    MIEN_TRY(const auto step, load_stage_average(stage->entries, *file));
+    progress.say(file->filename().string() + ": step " + std::to_string(step));
+  }
+  return export_model(config, set, network, path);
+}
+
 Status train(const TrainingConfig& config, ConsoleProgress& progress) {
   torch::set_num_threads(config.num_threads);
   MIEN_TRY(const auto set, TrainingSet::open(config.data));
   std::error_code ec;
   std::filesystem::create_directories(config.work_folder, ec);
   if (ec) return Error{Errc::failed, config.work_folder.string(), "cannot be created: " + ec.message(), ""};
-  StepLog log(config.work_folder / "log.tsv", progress);
+  const WorkFiles files(config.work_folder);
+  StepLog log(files.log, progress);
   const auto report = [&](const StepReport& r) { log(r); };
 
-  Network network(config.sizes);
-  Initialise initialise(config.options.seed);
-  network.visit(initialise);
-  for (const auto& entry : parameters(network)) *entry.slot = entry.slot->detach().to(config.options.device);
-  measure_face_statistics(set, network);
+  Network network = initial_network(config, set);
 
   MeanStage mean(set, network, config.options);
   log.begin("mean");
   MIEN_TRY(
       [[maybe_unused]] const auto mean_done,
       run_stage(
-          "mean path", mean.parameters(), config.mean, config.work_folder / "mean.checkpoint.safetensors",
+          "mean path", mean.parameters(), config.mean, files.mean,
           [&](std::int64_t step) { return mean.loss(step); }, progress, report));
   progress.say("mean path: validation loss " + fixed(mean.validation_loss(20), 4));
 
-  const auto features_path = config.work_folder / "features.safetensors";
-  if (!std::filesystem::exists(features_path)) {
+  if (!std::filesystem::exists(files.features)) {
     MIEN_TRY([[maybe_unused]] const auto written,
-             write_chunk_features(set, network, config.options, features_path, progress));
+             write_chunk_features(set, network, config.options, files.features, progress));
   }
-  MIEN_TRY(const auto features, ChunkFeatures::open(features_path));
+  MIEN_TRY(const auto features, ChunkFeatures::open(files.features));
   measure_coefficient_sd(set, features, network, config.options);
 
   DiffusionStage diffusion(set, features, network, config.options);
@@ -70,7 +116,7 @@ Status train(const TrainingConfig& config, ConsoleProgress& progress) {
   MIEN_TRY([[maybe_unused]] const auto diffusion_done,
            run_stage(
                "diffusion path", diffusion.parameters(), config.diffusion,
-               config.work_folder / "diffusion.checkpoint.safetensors",
+               files.diffusion,
                [&](std::int64_t step) { return diffusion.loss(step); }, progress, report));
 
   BlinkStage blink(set, features, network, config.options);
@@ -78,17 +124,10 @@ Status train(const TrainingConfig& config, ConsoleProgress& progress) {
   MIEN_TRY(
       [[maybe_unused]] const auto blink_done,
       run_stage(
-          "blink path", blink.parameters(), config.blink, config.work_folder / "blink.checkpoint.safetensors",
+          "blink path", blink.parameters(), config.blink, files.blink,
           [&](std::int64_t step) { return blink.loss(step); }, progress, report));
 
-  default_model::ModelMetadata metadata;
-  metadata.name = config.name;
-  metadata.sizes = config.sizes;
-  metadata.look_ahead_mel_frames = config.options.look_ahead_mel_frames;
-  metadata.training_config = config.text;
-  metadata.training_set = set.description();
-  MIEN_TRY([[maybe_unused]] const auto saved,
-           save_parameters(parameters(network), config.output, true, default_model::to_metadata(metadata)));
+  MIEN_TRY([[maybe_unused]] const auto saved, export_model(config, set, network, config.output));
   progress.say("wrote " + config.output.string());
   return Done{};
 }
@@ -101,7 +140,7 @@ int main(int argc, char** argv) {
   CLI::App app{
       "Train a model from a prepared set. Runs again after an interruption go on from the last checkpoint.",
       "mien train"};
-  std::string config_path, data, output, work_folder, device = "cpu";
+  std::string config_path, data, output, work_folder, snapshot_path, device = "cpu";
   int threads = 0;
   bool quiet = false, json = false;
   app.add_option("CONFIG", config_path, "Training configuration (TOML)")->required();
@@ -112,6 +151,7 @@ int main(int argc, char** argv) {
   app.add_option("--device", device, "cpu or cuda")
       ->capture_default_str()
       ->check(CLI::IsMember({"cpu", "cuda"}));
+  app.add_option("--snapshot", snapshot_path, "Only write the model as far as it is trained to this file, and stop");
   app.add_flag("--quiet", quiet, "Print errors only");
   app.add_flag("--json", json, "One JSON event a line on stderr");
   app.footer(
@@ -138,6 +178,7 @@ int main(int argc, char** argv) {
           {Errc::usage, "--device cuda", "this LibTorch finds no CUDA device", "Use --device cpu"}, progress);
     config->options.device = torch::kCUDA;
   }
-  const auto done = train::train(*config, progress);
+  const auto done = snapshot_path.empty() ? train::train(*config, progress)
+                                          : train::snapshot(*config, snapshot_path, progress);
   return done ? 0 : report_error(done.error(), progress);
 }

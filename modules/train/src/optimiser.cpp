@@ -66,32 +66,64 @@ std::vector<Collect::Entry> state_entries(const std::vector<Collect::Entry>& ent
   return all;
 }
 
+// Fills the state and returns its step.
+Result<std::int64_t> load_checkpoint(const std::vector<Collect::Entry>& state,
+                                     const std::filesystem::path& checkpoint) {
+  MIEN_TRY(const auto file, SafetensorsFile::open(checkpoint));
+  MIEN_TRY([[maybe_unused]] const auto loaded, load_parameters(state, file));
+  const auto found = file.metadata().find("step");
+  const auto step = found == file.metadata().end() ? std::nullopt : parse_int(found->second);
+  if (!step) return Error{Errc::incompatible, checkpoint.string(), "is not a checkpoint of a training stage", ""};
+  return *step;
+}
+
+std::vector<Moments> fresh_moments(const std::vector<Collect::Entry>& entries) {
+  std::vector<Moments> moments;
+  for (const auto& e : entries) {
+    const auto values = e.slot->detach();
+    moments.push_back({torch::zeros_like(values), torch::zeros_like(values), values.clone()});
+  }
+  return moments;
+}
+
+std::vector<Collect::Entry> trained(const std::vector<Collect::Entry>& entries) {
+  std::vector<Collect::Entry> out;
+  for (const auto& e : entries)
+    if (e.trained) out.push_back(e);
+  return out;
+}
+
+void deliver_average(const std::vector<Collect::Entry>& entries, const std::vector<Moments>& moments) {
+  const torch::NoGradGuard no_grad;
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    entries[i].slot->requires_grad_(false);
+    entries[i].slot->copy_(moments[i].average);
+  }
+}
+
 }  // namespace
+
+Result<std::int64_t> load_stage_average(const std::vector<Collect::Entry>& all_entries,
+                                        const std::filesystem::path& checkpoint) {
+  const auto entries = trained(all_entries);
+  auto moments = fresh_moments(entries);
+  MIEN_TRY(const auto step, load_checkpoint(state_entries(entries, moments), checkpoint));
+  deliver_average(entries, moments);
+  return step;
+}
 
 Status run_stage(const std::string& name, const std::vector<Collect::Entry>& all_entries,
                  const StageOptions& options, const std::filesystem::path& checkpoint,
                  const std::function<torch::Tensor(std::int64_t)>& loss, Progress& progress,
                  const std::function<void(const StepReport&)>& report) {
-  std::vector<Collect::Entry> entries;
-  for (const auto& e : all_entries)
-    if (e.trained) entries.push_back(e);
-  std::vector<Moments> moments;
-  for (const auto& e : entries) {
-    e.slot->requires_grad_(true);
-    const auto values = e.slot->detach();
-    moments.push_back({torch::zeros_like(values), torch::zeros_like(values), values.clone()});
-  }
+  const auto entries = trained(all_entries);
+  for (const auto& e : entries) e.slot->requires_grad_(true);
+  auto moments = fresh_moments(entries);
   const auto state = state_entries(entries, moments);
 
   std::int64_t step = 0;
   if (std::filesystem::exists(checkpoint)) {
-    MIEN_TRY(const auto file, SafetensorsFile::open(checkpoint));
-    MIEN_TRY([[maybe_unused]] const auto loaded, load_parameters(state, file));
-    const auto found = file.metadata().find("step");
-    const auto saved = found == file.metadata().end() ? std::nullopt : parse_int(found->second);
-    if (!saved)
-      return Error{Errc::incompatible, checkpoint.string(), "is not a checkpoint of a training stage", ""};
-    step = *saved;
+    MIEN_TRY(step, load_checkpoint(state, checkpoint));
   }
   const auto save = [&] {
     return save_parameters(state, checkpoint, false, {{"step", std::to_string(step)}});
@@ -123,11 +155,7 @@ Status run_stage(const std::string& name, const std::vector<Collect::Entry>& all
       return Error{Errc::cancelled, name, "interrupted at step " + std::to_string(step),
                    "Run again to go on"};
   }
-  const torch::NoGradGuard no_grad;
-  for (std::size_t i = 0; i < entries.size(); ++i) {
-    entries[i].slot->requires_grad_(false);
-    entries[i].slot->copy_(moments[i].average);
-  }
+  deliver_average(entries, moments);
   return Done{};
 }
 

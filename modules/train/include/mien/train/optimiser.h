@@ -44,4 +44,9 @@ Status run_stage(const std::string& name, const std::vector<Collect::Entry>& ent
                  const std::function<torch::Tensor(std::int64_t)>& loss, Progress& progress,
                  const std::function<void(const StepReport&)>& report);
 
+/// Copies the averaged weights of a checkpoint of run_stage into the network: what the stage would deliver if it ended
+/// there. Returns its step. Errors: not a checkpoint of these parameters (incompatible).
+Result<std::int64_t> load_stage_average(const std::vector<Collect::Entry>& entries,
+                                        const std::filesystem::path& checkpoint);
+
 }  // namespace mien::train

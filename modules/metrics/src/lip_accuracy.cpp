@@ -17,6 +17,8 @@ constexpr double kTruthPress = 0.26, kPredictedPress = 0.165;
 constexpr double kTruthRoll = 0.40, kPredictedRoll = 0.20;
 constexpr double kSealAperture = 0.04;
 constexpr std::int64_t kToleranceFrames = 2;
+constexpr double kTruthPucker = 0.25, kPredictedPucker = 0.125;
+constexpr std::int64_t kRoundingFrames = 6;  // 100 ms: rounding is slower than closing
 
 using Mask = std::vector<bool>;
 
@@ -98,12 +100,29 @@ std::int64_t lowest_frame(const std::vector<double>& aperture, FrameRun run) {
   return std::min_element(aperture.begin() + wide.first, aperture.begin() + wide.last + 1) - aperture.begin();
 }
 
+// Frame with the largest value among first ... last, both inside.
+std::int64_t highest_frame(const std::vector<double>& values, FrameRun run) {
+  return std::max_element(values.begin() + run.first, values.begin() + run.last + 1) - values.begin();
+}
+
+// Instant in frames at which the curve passes half of its value at `peak` on the way up; zero when it starts
+// above.
+double half_height(const std::vector<double>& values, std::int64_t peak) {
+  const double half = values[static_cast<std::size_t>(peak)] / 2;
+  for (std::int64_t n = peak; n > 0; --n) {
+    const double before = values[static_cast<std::size_t>(n - 1)], at = values[static_cast<std::size_t>(n)];
+    if (before <= half) return static_cast<double>(n - 1) + (half - before) / std::max(at - before, 1e-12);
+  }
+  return 0;
+}
+
 void score_contacts(const Motion& truth, const Motion& predicted, std::span<const Motion> samples,
                     double gain, LipAccuracy& out) {
   const Mask truth_pressed = above(press(truth), kTruthPress * gain);
   const Mask predicted_pressed = above(press(predicted), kPredictedPress * gain);
   out.closures = detect(truth_pressed, predicted_pressed);
   const std::size_t roll = arkit_index("mouthRollLower");
+  out.rounding = score_rounding(truth, predicted);
   out.labiodentals = detect(above(channel_values(truth, roll), kTruthRoll),
                             above(channel_values(predicted, roll), kPredictedRoll));
 
@@ -170,11 +189,40 @@ double DetectionCounts::tolerant_f1() const {
 double DetectionCounts::hit_rate() const { return ratio(events_hit, events); }
 double DetectionCounts::precision() const { return ratio(runs_true, runs); }
 
+RoundingScore& RoundingScore::operator+=(const RoundingScore& other) {
+  events += other.events;
+  found += other.found;
+  onset_errors_ms.insert(onset_errors_ms.end(), other.onset_errors_ms.begin(), other.onset_errors_ms.end());
+  return *this;
+}
+
+double RoundingScore::hit_rate() const { return ratio(found, events); }
+
+RoundingScore score_rounding(const Motion& truth, const Motion& predicted) {
+  contract(truth.num_frames() == predicted.num_frames(), "score_rounding: the motions differ in length");
+  const std::size_t pucker = arkit_index("mouthPucker");
+  const std::vector<double> true_curve = channel_values(truth, pucker),
+                            curve = channel_values(predicted, pucker);
+  RoundingScore out;
+  for (const FrameRun& run : runs_of(above(true_curve, kTruthPucker))) {
+    ++out.events;
+    const FrameRun wide = {std::max<std::int64_t>(0, run.first - kRoundingFrames),
+                           std::min(truth.num_frames() - 1, run.last + kRoundingFrames)};
+    const std::int64_t peak = highest_frame(curve, wide);
+    if (curve[static_cast<std::size_t>(peak)] <= kPredictedPucker) continue;
+    ++out.found;
+    const double late = half_height(curve, peak) - half_height(true_curve, highest_frame(true_curve, run));
+    out.onset_errors_ms.push_back(1000.0 * late / kMetricFps);
+  }
+  return out;
+}
+
 LipAccuracy& LipAccuracy::operator+=(const LipAccuracy& other) {
   for (std::size_t c = 0; c < curves.size(); ++c) curves[c] += other.curves[c];
   aperture += other.aperture;
   closures += other.closures;
   labiodentals += other.labiodentals;
+  rounding += other.rounding;
   seal_chances += other.seal_chances;
   sealed += other.sealed;
   timing_errors_ms.insert(timing_errors_ms.end(), other.timing_errors_ms.begin(),

@@ -35,6 +35,8 @@ void fill_lips(const SyntheticItemScore& sum, SyntheticFigures& f) {
   f.seal = sum.lips_neutral.seal();
   f.labiodental_hit = sum.lips_neutral.labiodentals.hit_rate();
   f.timing_bias_ms = mean(sum.lips_neutral.timing_errors_ms);
+  f.rounding_hit = sum.lips_neutral.rounding.hit_rate();
+  f.rounding_onset_ms = median(sum.lips_neutral.rounding.onset_errors_ms);
   f.contact_f1 = sum.closures.generated.f1();
   f.contact_f1_truth = sum.closures.truth.f1();
   f.sealed = sum.closures.generated.sealed_share();
@@ -137,6 +139,11 @@ std::vector<Field> make_fields() {
   add(f, &Figures::labiodental_hit, "labiodental hit rate", "",
       "runs of mouthRollLower > 0.4 in the truth with more than 0.2 in the prediction within +-2 frames, "
       "neutral items");
+  add(f, &Figures::rounding_hit, "rounding hit rate", "",
+      "runs of mouthPucker > 0.25 in the conditional mean with a predicted peak > 0.125 within +-100 ms, "
+      "neutral items");
+  add(f, &Figures::rounding_onset_ms, "rounding onset", "ms",
+      "median of (half-height crossing of the prediction - of the truth) over those found; positive = late");
   add(f, &Figures::contact_f1, "contact F1", "",
       "closure F1 of single takes against the phone labels by the rules of the human benchmark, 50 ms, all "
       "items");

@@ -77,6 +77,26 @@ TEST(LipAccuracy, SealLooksAtSingleTakes) {
   EXPECT_DOUBLE_EQ(score_lips(truth, std::vector<Motion>{truth, open}, 1).seal(), 0.5);
 }
 
+TEST(LipAccuracy, RoundingOnsetsAreTimedAtHalfHeight) {
+  const auto rounded = [](int shift, double height) {
+    Motion motion = still(300);
+    set(motion, {"mouthPucker"}, [&](std::int64_t n) {
+      const double distance = std::abs(static_cast<double>(n - 100 - shift));
+      return distance < 20 ? height * (1 - distance / 20) : 0.0;
+    });
+    return motion;
+  };
+  const RoundingScore same = score_rounding(rounded(0, 0.8), rounded(0, 0.4));
+  EXPECT_EQ(same.events, 1);
+  EXPECT_EQ(same.found, 1);
+  EXPECT_NEAR(same.onset_errors_ms.at(0), 0, 1e-3);  // the height does not matter
+  EXPECT_NEAR(score_rounding(rounded(0, 0.8), rounded(3, 0.8)).onset_errors_ms.at(0), 50, 1e-3);
+  EXPECT_EQ(score_rounding(rounded(0, 0.8), rounded(0, 0.1)).found, 0);
+  EXPECT_EQ(score_rounding(rounded(0, 0.8), rounded(100, 0.8)).found, 0);
+  EXPECT_EQ(score_rounding(rounded(0, 0.2), rounded(0, 0.8)).events, 0);
+  EXPECT_TRUE(std::isnan(score_rounding(still(0), still(0)).hit_rate()));
+}
+
 TEST(LipAccuracy, CorrelationsPoolOverFramesNotClips) {
   Motion low = still(100), high = still(100);
   set(low, {"jawOpen"}, [](auto n) { return 0.01 * static_cast<double>(n % 2); });

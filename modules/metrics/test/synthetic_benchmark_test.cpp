@@ -141,6 +141,8 @@ TEST(SyntheticBenchmark, TheTruthItselfScoresIdeal) {
   EXPECT_GT(f.r, 0.96);
   EXPECT_GT(f.jaw_r, 0.97);
   EXPECT_GT(f.closure_hit, 0.97);
+  EXPECT_GT(f.rounding_hit, 0.97);
+  EXPECT_NEAR(f.rounding_onset_ms, 0, 5);
   EXPECT_GT(f.contact_f1, 0.85);
   EXPECT_NEAR(f.contact_f1, f.contact_f1_truth, 0.03);
   for (std::size_t r = 0; r < kNumFaceRegions; ++r) {
@@ -174,6 +176,7 @@ TEST(SyntheticBenchmark, SeesWhatIsWrongWithASystem) {
   const SyntheticFigures late = figures_of(corpus, Oracle::late);
   EXPECT_LT(late.jaw_r, right.jaw_r - 0.2);
   EXPECT_LT(late.closure_f1, 0.3);
+  EXPECT_GT(late.rounding_onset_ms, 40);
   const SyntheticFigures restless = figures_of(corpus, Oracle::restless);
   EXPECT_GT(restless.jitter[0], 1.5);
   EXPECT_GT(restless.diversity[0], right.diversity[0] * 1.3);

@@ -43,11 +43,25 @@ struct DetectionCounts {
   [[nodiscard]] double precision() const;  ///< of runs
 };
 
+/// Rounded lips (mouthPucker): when they begin to round; pools with +=. Events are runs of the truth above
+/// 0.25; an onset is where the curve passes half of the run's peak on the way up to it. Found: the prediction
+/// peaks above 0.125 within
+/// +-100 ms of the run.
+struct RoundingScore {
+  std::int64_t events = 0, found = 0;
+  std::vector<double> onset_errors_ms;  ///< of found events; positive = the prediction is late
+
+  RoundingScore& operator+=(const RoundingScore& other);
+  [[nodiscard]] double hit_rate() const;
+};
+RoundingScore score_rounding(const Motion& truth, const Motion& predicted);
+
 struct LipAccuracy {
   std::array<CorrelationSums, kNumLipCurves> curves;
   CorrelationSums aperture;      ///< of jawOpen - mouthClose
   DetectionCounts closures;      ///< lips pressed
   DetectionCounts labiodentals;  ///< lower lip on the teeth (f, v)
+  RoundingScore rounding;
   std::int64_t seal_chances = 0,
                sealed = 0;  ///< closures times takes; where that take has A < 0.04 within +-2 frames
   std::vector<double> timing_errors_ms;  ///< per hit closure: aperture minimum of prediction - of truth

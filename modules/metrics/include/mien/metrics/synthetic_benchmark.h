@@ -59,6 +59,7 @@ struct SyntheticFigures {
   double r = 0, r_all = 0, jaw_r = 0, aperture_r = 0;
   double closure_f1 = 0, closure_f1_tolerant = 0, closure_hit = 0, seal = 0, labiodental_hit = 0,
          timing_bias_ms = 0;
+  double rounding_hit = 0, rounding_onset_ms = 0;
   double contact_f1 = 0, contact_f1_truth = 0, sealed = 0;
   std::array<double, kNumFaceRegions> diversity{}, jitter{}, excess_mae{}, spread_skill{}, energy_regret{},
       crps_regret{};

@@ -1,0 +1,215 @@
+// mien animate: speech in, motion files and videos out.
+#include <chrono>
+
+#include "character_source.h"
+#include "director.h"
+#include "mien/base/number_text.h"
+#include "mien/base/parallel.h"
+#include "mien/console/console_exit.h"
+#include "mien/io/character_file.h"
+#include "mien/io/motion_file.h"
+#include "mien/models/animate.h"
+#include "options.h"
+#include "outputs.h"
+#include "pictures.h"
+#include "share.h"
+
+namespace mien {
+namespace {
+
+namespace fs = std::filesystem;
+constexpr std::string_view kSilent = "the recording is silent";  // the reader's warning (mien/audio)
+
+struct AnimateArguments {
+  std::string speech, model, character;
+  std::vector<std::string> outputs;
+  DirectionWords words;
+  int takes = 1;
+  double fps = 0;  // 0: 60 for motion, 30 for pictures
+  std::string size = "512", view = "portrait";
+  bool allow_silence = false;
+  int threads = hardware_threads();
+};
+
+// Everything that can be wrong is found out before the work begins.
+struct Prepared {
+  std::vector<Output> outputs;  // of all takes, take by take
+  PerformOptions options;
+  fs::path model_path, character_path;
+  Bytes character_glb;                 // when a .glb is written
+  std::optional<Character> character;  // when pictures are drawn
+  PictureOptions pictures;
+};
+
+Result<Prepared> prepare(const AnimateArguments& a) {
+  Prepared p;
+  MIEN_TRY(p.options, perform_options(a.words));
+  const auto size = parse_size(a.size);
+  if (!size) return size.error();
+  p.pictures = {.width = size->first, .height = size->second, .threads = a.threads};
+  if (a.fps > 0) p.pictures.fps = a.fps;
+  MIEN_TRY([[maybe_unused]] const auto view, check_view(a.view));
+  p.pictures.view = a.view;
+  std::vector<std::string> names = a.outputs;
+  if (names.empty()) names.push_back(fs::path(a.speech).stem().string() + ".glb");
+  if (a.model.empty()) {
+    MIEN_TRY(p.model_path, shared_file("default.safetensors", "--model FILE"));
+  } else {
+    p.model_path = a.model;
+  }
+  MIEN_TRY(p.character_path, character_path(a.character));
+  constexpr OutputKind kAll[] = {OutputKind::motion, OutputKind::video, OutputKind::sheet,
+                                 OutputKind::frames};
+  const std::array<fs::path, 3> inputs = {a.speech, p.model_path, p.character_path};
+  MIEN_TRY(const auto planned, plan_outputs(names, inputs, kAll));
+  for (int take = 0; take < a.takes; ++take)
+    for (const auto& output : planned) p.outputs.push_back(output_of_take(output, take, a.takes));
+  return p;
+}
+
+Status load_character_for(const std::vector<Output>& outputs, Prepared& p, ConsoleProgress& progress) {
+  const auto any = [&](auto wanted) { return std::any_of(outputs.begin(), outputs.end(), wanted); };
+  if (any([](const Output& o) { return o.is_glb(); })) {
+    MIEN_TRY(p.character_glb, character_glb(p.character_path));
+  }
+  if (any([](const Output& o) { return o.is_picture(); })) {
+    auto character = load_character(p.character_path);
+    if (!character) return character.error();
+    for (const auto& warning : character.warnings) progress.warn(warning);
+    p.character = std::move(*character);
+  }
+  return Done{};
+}
+
+std::string output_list(const std::vector<Output>& outputs) {
+  std::string list;
+  for (const auto& output : outputs)
+    list +=
+        (list.empty() ? "" : ", ") + output.path.string() + (output.kind == OutputKind::frames ? "/" : "");
+  return list;
+}
+
+std::string json_list(const std::vector<Output>& outputs) {
+  std::string list;
+  for (const auto& output : outputs) list += (list.empty() ? "" : ",") + json_string(output.path.string());
+  return "[" + list + "]";
+}
+
+// Writes all outputs of all takes. Motion files are small and written side by side; films take all threads.
+Status write_outputs(const AnimateArguments& a, const Prepared& p, const std::vector<Motion>& takes,
+                     const AudioClip* sound, ConsoleProgress& progress) {
+  const std::size_t per_take = p.outputs.size() / takes.size();
+  std::vector<Status> results(p.outputs.size(), Status(Done{}));
+  const MotionContext context{
+      .character_glb = p.character_glb, .audio_name = fs::path(a.speech).filename().string(), .glb = {}};
+  parallel_for(a.threads, static_cast<std::int64_t>(p.outputs.size()), [&](std::int64_t i) {
+    const auto k = static_cast<std::size_t>(i);
+    if (p.outputs[k].is_picture()) return;
+    results[k] = write_motion(p.outputs[k].path, takes[k / per_take], context);
+  });
+  for (std::size_t k = 0; k < p.outputs.size(); ++k) {
+    if (p.outputs[k].is_picture())
+      results[k] =
+          write_pictures(p.outputs[k], takes[k / per_take], *p.character, sound, p.pictures, progress);
+    if (!results[k]) return results[k].error();
+    if (k < per_take)
+      for (const auto& warning : results[k].warnings)
+        progress.warn(p.outputs[k].path.string() + ": " + warning);
+  }
+  return Done{};
+}
+
+Status run_animate(const AnimateArguments& a, ConsoleProgress& progress) {
+  const auto start = std::chrono::steady_clock::now();
+  MIEN_TRY(Prepared p, prepare(a));
+  MIEN_TRY(AudioReader speech, AudioReader::open(a.speech));
+  progress.event("start", "\"command\":\"animate\",\"input\":" + json_string(a.speech) + ",\"model\":" +
+                              json_string(p.model_path.string()) + ",\"outputs\":" + json_list(p.outputs) +
+                              ",\"seed\":" + std::to_string(a.words.seed));
+  MIEN_TRY([[maybe_unused]] const auto writable, check_writable(p.outputs));
+  MIEN_TRY(const DefaultModel model, DefaultModel::load(p.model_path));
+  MIEN_TRY([[maybe_unused]] const auto character, load_character_for(p.outputs, p, progress));
+
+  auto takes = animate(model, speech, p.options, a.takes, a.threads, progress);
+  if (!takes) return within(takes.error(), "animating '" + a.speech + "'");
+  for (const auto& warning : takes.warnings) {
+    if (warning == kSilent && !a.allow_silence)
+      return Error{Errc::input, "'" + a.speech + "'", warning, "Pass --allow-silence to get a face at rest"};
+    progress.warn(warning);
+  }
+  const double seconds = takes->front().seconds();
+  if (a.fps > 0 && a.fps != DefaultStream::kFps)
+    for (auto& motion : *takes) motion = resample(motion, a.fps);
+
+  std::optional<AudioClip> sound;
+  for (const auto& output : p.outputs) {
+    if (output.kind != OutputKind::video || sound) continue;
+    auto clip = load_audio(a.speech);
+    if (!clip) return clip.error();
+    sound = std::move(*clip);
+  }
+  MIEN_TRY([[maybe_unused]] const auto written,
+           write_outputs(a, p, *takes, sound ? &*sound : nullptr, progress));
+
+  const double taken = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const double factor = taken / seconds;
+  progress.event("success",
+                 "\"outputs\":" + json_list(p.outputs) + ",\"speech_seconds\":" + fixed(seconds, 3) +
+                     ",\"seconds\":" + fixed(taken, 3) + ",\"real_time_factor\":" + fixed(factor, 4) +
+                     ",\"seed\":" + std::to_string(a.words.seed));
+  progress.say("wrote " + output_list(p.outputs) + ": " + fixed(seconds, 2) + " s of speech in " +
+               fixed(taken, 2) + " s (real-time factor " + fixed(factor, 3) + "), seed " +
+               std::to_string(a.words.seed));
+  return Done{};
+}
+
+}  // namespace
+
+void add_animate_command(CLI::App& program, Chosen& chosen) {
+  auto* command = program.add_subcommand("animate", "Turn recorded speech into facial animation");
+  auto a = std::make_shared<AnimateArguments>();
+  command->add_option("SPEECH", a->speech, "Any file with sound: wav, flac, ogg, mp3, m4a, mp4 ...")
+      ->required();
+  command
+      ->add_option(
+          "-o,--output", a->outputs,
+          "File to write, may be repeated: .glb .csv .json .npy .mp4 .webm .png, or a folder/ of pictures. "
+          "Default: SPEECH with .glb, in the current folder. Several takes get -1, -2 ... at the end of "
+          "their names")
+      ->allow_extra_args(false);
+  command->add_option("--model", a->model,
+                      "Model file (.safetensors). Default: the one that comes with Mien");
+  command->add_option(
+      "--character", a->character,
+      "Character with ARKit morph targets (.glb .gltf .vrm .safetensors). Default: Mien's head");
+  command->add_option(
+      "--emotion", a->words.emotion,
+      "neutral, happy, sad, surprised, fear, disgusted, angry or contempt, with a level :1 :2 :3 or an "
+      "intensity :0.0 to :1.0; or a .csv file: time,emotion,intensity[,style]. Default: neutral");
+  command->add_option("--style", a->words.style,
+                      "Manner of a speaker, S00 to S11. Default: none in particular");
+  command->add_option("--seed", a->words.seed, "Chooses the take: the same seed gives the same bytes")
+      ->capture_default_str();
+  command->add_option("--takes", a->takes, "Number of different takes, 1 to 100")
+      ->check(CLI::Range(1, 100))
+      ->capture_default_str();
+  command->add_option("--steps", a->words.steps, "Diffusion steps, 1 to 1000")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  command->add_option("--sampler", a->words.sampler, "dpm++, ddim or ddpm")->capture_default_str();
+  command->add_option("--fps", a->fps, "Frames a second, 1 to 240. Default: 60, pictures 30")
+      ->check(CLI::Range(1.0, 240.0));
+  command->add_option("--size", a->size, "Pixels of pictures: 512 or 640x480")->capture_default_str();
+  command->add_option("--view", a->view, "front, portrait, three-quarter, side or mouth")
+      ->capture_default_str();
+  command->add_flag("--allow-silence", a->allow_silence, "Animate a silent recording too: a face at rest");
+  add_threads_option(*command, a->threads);
+  add_console_options(*command, chosen);
+  add_footer(*command,
+             "  mien animate hello.wav\n"
+             "  mien animate hello.wav -o hello.glb -o hello.csv -o hello.mp4 --emotion happy:2 --seed 7\n");
+  command->callback(
+      [a, &chosen] { chosen.work = [a](ConsoleProgress& progress) { return run_animate(*a, progress); }; });
+}
+
+}  // namespace mien

@@ -1,0 +1,39 @@
+#pragma once
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "mien/base/result.h"
+
+namespace mien {
+
+enum class OutputKind {
+  motion,  ///< .glb, .csv, .json, .npy
+  video,   ///< .mp4, .webm
+  sheet,   ///< .png: a contact sheet
+  frames,  ///< a folder of numbered pictures, written with a slash at the end
+};
+
+struct Output {
+  std::filesystem::path path;
+  OutputKind kind = OutputKind::motion;
+
+  [[nodiscard]] bool is_picture() const { return kind != OutputKind::motion; }
+  [[nodiscard]] bool is_glb() const;
+};
+
+/// Kinds by extension. Errors (Errc::usage): an extension that nothing writes (the message lists those that
+/// `allowed` holds), the same output twice, an output that is one of the inputs.
+Result<std::vector<Output>> plan_outputs(std::span<const std::string> names,
+                                         std::span<const std::filesystem::path> inputs,
+                                         std::span<const OutputKind> allowed);
+
+/// Take k of n: "hello-1.glb" ... "hello-n.glb"; unchanged for a single take.
+Output output_of_take(const Output& output, int take, int num_takes);
+
+/// Tries to write at every place, and leaves nothing there: long work must not end in an error that could
+/// have been seen at its start. Errors (Errc::failed): a missing or read-only folder, a folder of the name.
+Status check_writable(std::span<const Output> outputs);
+
+}  // namespace mien

@@ -1,0 +1,37 @@
+#pragma once
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "mien/base/progress.h"
+#include "mien/base/result.h"
+#include "mien/core/audio_clip.h"
+#include "mien/core/character.h"
+#include "mien/core/motion.h"
+#include "outputs.h"
+
+namespace mien {
+
+/// How a motion is shown.
+struct PictureOptions {
+  int width = 512, height = 512;  ///< pixels of a video's frame
+  double fps = 30;                ///< of videos and numbered pictures
+  std::string view = "portrait";
+  std::vector<double> times = {};  ///< instants of a contact sheet; empty: twelve, evenly spread
+  int columns = 4;                 ///< of a contact sheet
+  int threads = 1;
+};
+
+/// "512" or "640x480". Errors (Errc::usage).
+Result<std::pair<int, int>> parse_size(const std::string& text);
+/// Errors (Errc::usage): not the name of a view.
+Status check_view(const std::string& name);
+/// "0.5,1.25": seconds. Errors (Errc::usage).
+Result<std::vector<double>> parse_times(const std::string& text);
+
+/// Draws a motion on a character into a video (with the sound when there is one), numbered pictures or a
+/// contact sheet. @pre output.is_picture(); sound may be null
+Status write_pictures(const Output& output, const Motion& motion, const Character& character,
+                      const AudioClip* sound, const PictureOptions& options, Progress& progress);
+
+}  // namespace mien

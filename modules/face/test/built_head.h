@@ -10,6 +10,11 @@ inline const head::HeadModel& built_model() {
   static const head::HeadModel model = head::build_head_model(2);
   return model;
 }
+/// With the plain mouth outline of the reference.
+inline const head::HeadModel& reference_model() {
+  static const head::HeadModel model = head::build_head_model(2, {.mouth_corner_lift = 0});
+  return model;
+}
 inline const DefaultHead& built_head() {
   static const DefaultHead head = build_default_head(2);
   return head;

@@ -41,7 +41,9 @@ Image picture(const StandardPose& pose) {
   options.width = kWidth;
   options.height = kHeight;
   options.supersampling = 2;
-  const Camera camera = frame_character(head, View::portrait, static_cast<double>(kWidth) / kHeight);
+  Camera camera;  // fixed: the pictures must not depend on how cameras are framed
+  camera.position = {0.24f, 0.0f, 0.78f};
+  camera.target = {0.0f, -0.01f, 0.0f};
   return render(scene, camera, options).value();
 }
 

@@ -7,14 +7,16 @@
 #include "built_head.h"
 #include "head/base_surface.h"
 #include "head/skin_surface.h"
+#include "head/tables.h"
 #include "mien/face/regions.h"
 #include "mien/io/safetensors.h"
 
 namespace mien {
 namespace {
 
+using head::Offsets;
 using test::built_head;
-using test::built_model;
+using test::reference_model;
 
 // Trusted tensors of a reference file.
 class Reference {
@@ -71,7 +73,7 @@ std::array<std::int32_t, 3> canonical(std::array<std::int32_t, 3> t) {
 void compare_with(const Reference& file) {
   double worst_color = 0;
   std::size_t num_shapes = 0;
-  for (const head::MovingPart& part : built_model().parts) {
+  for (const head::MovingPart& part : reference_model().parts) {
     if (part.name.starts_with("eyeCorners") || part.name.starts_with("lashes")) continue;  // ours alone
     SCOPED_TRACE(part.name);
     const auto vertices = all_or_sampled(file, part);
@@ -105,11 +107,11 @@ void compare_with(const Reference& file) {
   }
   EXPECT_GT(num_shapes, 150U);
   EXPECT_LT(worst_color, kToleranceColor);
-  const DefaultHead& head = built_head();
-  EXPECT_EQ(as_ints(head.mirror), as_ints(file.ints("skin.mirror")));
-  EXPECT_EQ(as_ints(head.character.regions.at("lips")), as_ints(file.ints("skin.region.lips")));
-  EXPECT_EQ(as_ints(head.character.regions.at("upper_face")), as_ints(file.ints("skin.region.upper_face")));
-  EXPECT_EQ(as_ints(head.character.regions.at("landmarks68")), as_ints(file.ints("skin.landmarks68")));
+  const head::HeadSkin& skin = reference_model().skin;
+  EXPECT_EQ(as_ints(skin.mirror), as_ints(file.ints("skin.mirror")));
+  EXPECT_EQ(as_ints(head::lip_region(skin)), as_ints(file.ints("skin.region.lips")));
+  EXPECT_EQ(as_ints(head::upper_face_region(skin)), as_ints(file.ints("skin.region.upper_face")));
+  EXPECT_EQ(as_ints(head::landmarks68(skin)), as_ints(file.ints("skin.landmarks68")));
 }
 
 TEST(HeadReference, SampleOfEveryPartAndShape) {
@@ -150,9 +152,10 @@ TEST(HeadReference, SpotValuesOfTheSurface) {
 }
 
 TEST(HeadReference, SpotValuesOfTheShapes) {
-  const auto& skin = built_model().skin;
+  const auto& skin = reference_model().skin;
   const auto check = [](std::string_view shape, std::uint32_t vertex, head::Vec3d expected) {
-    EXPECT_LT(length(test::skin_shape(shape)[vertex] - expected), 1.5e-4) << shape << " " << vertex;
+    const Offsets& offsets = reference_model().parts.front().shapes[arkit_index(shape)];
+    EXPECT_LT(length(offsets[vertex] - expected), 1.5e-4) << shape << " " << vertex;
   };
   check("jawOpen", skin.mouth.rings[head::kContactRing][36], {0, -3.0285, -1.7259});
   check("jawOpen", skin.mouth.rings[head::kContactRing][head::kLeftCorner], {-0.3, -1.0869, -0.743});

@@ -13,7 +13,7 @@ using testing::HasSubstr;
 TEST(Regions, DefaultHeadHasLipsUpperFaceAndLandmarks) {
   const Character& head = test::built_head().character;
   EXPECT_EQ(find_region(head, kLipsRegion).value().size(), 288U);
-  EXPECT_EQ(find_region(head, kUpperFaceRegion).value().size(), 1761U);
+  EXPECT_EQ(find_region(head, kUpperFaceRegion).value().size(), 1763U);
   EXPECT_EQ(find_region(head, kLandmarksRegion).value().size(), 68U);
 }
 

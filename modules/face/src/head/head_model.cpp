@@ -6,9 +6,9 @@
 
 namespace mien::head {
 
-HeadModel build_head_model(int num_threads) {
+HeadModel build_head_model(int num_threads, const HeadDesign& design) {
   HeadModel model;
-  model.skin = build_head_skin();
+  model.skin = build_head_skin(design);
   const ShapeBase base = make_shape_base(model.skin);
   model.handles = base.handles;
   auto skin_shapes = build_skin_shapes(base, num_threads);

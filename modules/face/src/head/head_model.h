@@ -22,6 +22,6 @@ struct HeadModel {
   std::vector<MovingPart> parts;  ///< the skin first
 };
 
-HeadModel build_head_model(int num_threads);
+HeadModel build_head_model(int num_threads, const HeadDesign& design = {});
 
 }  // namespace mien::head

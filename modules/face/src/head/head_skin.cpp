@@ -79,7 +79,7 @@ void add_lips(HeadSkin& skin) {
       const double s = loop.along[m], a = std::abs(s);
       const bool up = loop.upper[m];
       const double outline_x =
-          mouth_outline(static_cast<int>(std::lround(s * kMouthHalfColumns)), Side::upper).x;
+          mouth_outline(static_cast<int>(std::lround(s * kMouthHalfColumns)), Side::upper, 0).x;
       const double contact_x = kContactHalfWidth * (0.55 * std::sin(std::numbers::pi / 2 * s) + 0.45 * s);
       // The upper lip is thinner and dented in the middle (Cupid's bow).
       const double lip_height =
@@ -233,8 +233,8 @@ double lid_edge_y(double along, bool upper) {
   return kEyeCentre.y + 0.03 + 0.09 * along + height;
 }
 
-HeadSkin build_head_skin() {
-  const SlitGrid grid = build_slit_grid();
+HeadSkin build_head_skin(const HeadDesign& design) {
+  const SlitGrid grid = build_slit_grid(design);
   HeadSkin skin;
   skin.chart = grid.chart;
   for (const ChartPoint& at : grid.chart) skin.positions.push_back(skin_point(at));

@@ -58,7 +58,7 @@ struct HeadSkin {
   double contact_z = 0;  ///< depth of the contact line in the middle: teeth and tongue are placed from it
 };
 
-HeadSkin build_head_skin();
+HeadSkin build_head_skin(const HeadDesign& design);
 
 /// Heights of the lid edges of the left eye at `along`, at rest.
 double lid_edge_y(double along, bool upper);

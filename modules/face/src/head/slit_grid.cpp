@@ -111,7 +111,8 @@ void connect(SlitGrid& grid, int num_rows) {
 }
 
 // Chart displacement that carries every vertex on a slit's border to its place on the outline.
-std::map<std::uint32_t, std::array<double, 2>> border_displacements(const SlitGrid& grid) {
+std::map<std::uint32_t, std::array<double, 2>> border_displacements(const SlitGrid& grid,
+                                                                    const HeadDesign& design) {
   std::map<std::uint32_t, std::array<double, 2>> wanted;
   const auto send = [&](std::uint32_t vertex, double x, double y) {
     const ChartPoint to = find_in_front(x, y), from = grid.chart[vertex];
@@ -119,7 +120,7 @@ std::map<std::uint32_t, std::array<double, 2>> border_displacements(const SlitGr
   };
   for (const Side side : {Side::lower, Side::upper}) {  // the ends of a slit take the upper outline
     for (int column = -kMouthHalfColumns; column <= kMouthHalfColumns; ++column) {
-      const auto [x, y] = mouth_outline(column, side);
+      const auto [x, y] = mouth_outline(column, side, design.mouth_corner_lift);
       send(grid.mouth_vertex(column, side), x, y);
     }
     for (const int sign : {-1, 1})
@@ -132,7 +133,7 @@ std::map<std::uint32_t, std::array<double, 2>> border_displacements(const SlitGr
 }
 
 // Spreads the displacement of the borders over the grid; the outer rows and columns stay.
-void open_slits(SlitGrid& grid, int num_rows) {
+void open_slits(SlitGrid& grid, int num_rows, const HeadDesign& design) {
   constexpr int kStillRowsAboveEyes = 14, kStillColumn = 34;
   constexpr double kBending = 0.35;
   const std::size_t n = grid.chart.size();
@@ -144,7 +145,7 @@ void open_slits(SlitGrid& grid, int num_rows) {
   known[n - 1] = true;  // the crown
 
   std::vector<std::array<double, 2>> displacement(n);
-  for (const auto& [vertex, d] : border_displacements(grid)) {
+  for (const auto& [vertex, d] : border_displacements(grid, design)) {
     displacement[vertex] = d;
     known[vertex] = true;
   }
@@ -165,13 +166,14 @@ void open_slits(SlitGrid& grid, int num_rows) {
 
 double eye_ease(double u) { return 0.5 * u + 0.5 * std::sin(std::numbers::pi / 2 * u); }
 
-FrontPosition mouth_outline(int column, Side side) {
+FrontPosition mouth_outline(int column, Side side, double corner_lift) {
   constexpr double kHalfWidth = 2.66, kMiddleY = -4.15, kUpperHeight = 0.98, kLowerHeight = 1.22;
   const double u = static_cast<double>(column) / kMouthHalfColumns;
   const double x = kHalfWidth * (0.55 * std::sin(std::numbers::pi / 2 * u) + 0.45 * u);
   const double s = std::abs(x / kHalfWidth);
-  if (side == Side::upper) return {x, kMiddleY + kUpperHeight * std::pow(1 - std::pow(s, 2.3), 0.75)};
-  return {x, kMiddleY - kLowerHeight * std::pow(1 - std::pow(s, 2.2), 0.75)};
+  const double middle_y = kMiddleY + corner_lift * std::pow(s, 2.2);
+  if (side == Side::upper) return {x, middle_y + kUpperHeight * std::pow(1 - std::pow(s, 2.3), 0.75)};
+  return {x, middle_y - kLowerHeight * std::pow(1 - std::pow(s, 2.2), 0.75)};
 }
 
 FrontPosition eye_outline(int column, Side side) {
@@ -190,7 +192,7 @@ std::uint32_t SlitGrid::eye_vertex(int column, Side side) const {
   return cells[cell_index(column, eye_row)][side == Side::upper ? 0 : 1];
 }
 
-SlitGrid build_slit_grid() {
+SlitGrid build_slit_grid(const HeadDesign& design) {
   const auto azimuths = column_azimuths();
   const auto stations = row_stations();
   const auto num_rows = static_cast<int>(stations.size());
@@ -199,7 +201,7 @@ SlitGrid build_slit_grid() {
   grid.eye_row = nearest_row(stations, kEyeStation);
   lay_out(grid, azimuths, stations);
   connect(grid, num_rows);
-  open_slits(grid, num_rows);
+  open_slits(grid, num_rows, design);
   return grid;
 }
 

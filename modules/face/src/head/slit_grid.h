@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "head/base_surface.h"
+#include "head/head_design.h"
 
 namespace mien::head {
 
@@ -22,7 +23,7 @@ struct FrontPosition {
   double x, y;
 };
 /// Outline of the mouth at a column of the slit (-12 ... 12): where the skin ends and the lips begin.
-FrontPosition mouth_outline(int column, Side side);
+FrontPosition mouth_outline(int column, Side side, double corner_lift);
 /// Outline of the left eye at a column of the slit (8 ... 22).
 FrontPosition eye_outline(int column, Side side);
 /// Eases -1 ... 1 so that columns are denser at both ends of the eye.
@@ -44,6 +45,6 @@ struct SlitGrid {
   std::vector<std::array<std::uint32_t, 2>> cells;  // [rows * columns] vertex of each side
 };
 
-SlitGrid build_slit_grid();
+SlitGrid build_slit_grid(const HeadDesign& design);
 
 }  // namespace mien::head

@@ -13,7 +13,7 @@ struct DefaultHead {
   /// Parts: "skin" (shapes: all 52 ARKit names in their order, some without vertices), then "eyes" (left and
   /// right eyeball, the tissue in the eyes' corners), "teeth" (upper, then lower), "tongue", "brows",
   /// "lashes", "ears" and "hair", each with only the shapes that move it. Normals, normal offsets and linear
-  /// vertex colours are filled. Regions of the skin: "lips" (288 vertices), "upper_face" (1761),
+  /// vertex colours are filled. Regions of the skin: "lips" (288 vertices), "upper_face" (1763),
   /// "landmarks68" (iBUG order).
   Character character;
   /// [V of the skin] the vertex on the other side of the face; vertices of the middle line map to themselves.

@@ -105,6 +105,7 @@ Result<std::vector<PreparedEntry>> prepare_item(const ItemPlan& item, const Prep
 
 Result<PrepareSummary> prepare_set(const std::filesystem::path& path, const PrepareOptions& options,
                                    Progress& progress) {
+  MIEN_TRY(auto writer, SetWriter::create(path, options.takes));
   progress.stage("choosing sentences", 0);
   std::vector<std::string> missing;
   const auto items = plan_training(options.plan, missing);
@@ -112,7 +113,6 @@ Result<PrepareSummary> prepare_set(const std::filesystem::path& path, const Prep
   if (items.empty())
     return Error{Errc::failed, "prepare", "no engine for training is present", "Install espeak-ng or flite"};
   const auto pool = make_babble_pool(items, kBabbleClips, options.plan.seed, options.jobs);
-  MIEN_TRY(auto writer, SetWriter::create(path, options.takes));
 
   PrepareSummary summary;
   progress.stage("speaking", static_cast<std::int64_t>(items.size()));

@@ -5,6 +5,7 @@
 #include "even_motion.h"
 #include "gltf_accessor.h"
 #include "gltf_nodes.h"
+#include "mien/base/file.h"
 #include "mien/core/arkit.h"
 #include "mien/io/gltf_animation.h"
 #include "shape_names.h"
@@ -147,10 +148,7 @@ double rate_of(const Json& animation, const std::vector<double>& times) {
   return std::abs(rate - std::round(rate)) < 1e-3 * rate ? std::max(1.0, std::round(rate)) : rate;
 }
 
-}  // namespace
-
-Result<Motion> read_glb_motion(std::span<const std::byte> glb) {
-  MIEN_TRY(const GltfDocument document, parse_gltf(glb));
+Result<Motion> read_document(const GltfDocument& document) {
   const Json* animation = find_animation(document);
   if (animation == nullptr)
     return Error{Errc::incompatible, "glTF", "no animation moves morph targets",
@@ -195,6 +193,20 @@ Result<Motion> read_glb_motion(std::span<const std::byte> glb) {
     for (std::size_t k = 0; k < 3; ++k) out[sources.size() + k] = static_cast<float>(angles[k]);
   }
   return motion;
+}
+
+}  // namespace
+
+Result<Motion> read_glb_motion(std::span<const std::byte> glb) {
+  MIEN_TRY(const GltfDocument document, parse_gltf(glb));
+  return read_document(document);
+}
+
+Result<Motion> read_glb_motion(const std::filesystem::path& path) {
+  MIEN_TRY(const Bytes bytes, read_file(path));
+  const auto folder = path.parent_path();
+  MIEN_TRY(const GltfDocument document, parse_gltf(bytes, &folder));
+  return read_document(document);
 }
 
 }  // namespace mien

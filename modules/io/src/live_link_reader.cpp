@@ -143,8 +143,8 @@ Status read_row(const Layout& layout, std::string_view text, std::size_t line, T
   return Done{};
 }
 
-// Rate of the rows. The usual step between timecodes tells how many timecode frames a row lasts: the lower quartile,
-// since dropped frames only make steps longer.
+// Rate of the rows. The usual step between timecodes tells how many timecode frames a row lasts: the lower
+// quartile, since dropped frames only make steps longer.
 double rate_of(const Table& table, double timecode_fps) {
   constexpr double kSlowest = 5;  // frames a second; rarer rows are a broken clock, not a rate
   if (!table.timecodes.empty()) {

@@ -107,15 +107,14 @@ Result<Motion> motion_of_array(NpyArray array, double fps) {
   return result;
 }
 
-Result<Motion> read_bytes(const std::string& extension, const Bytes& bytes,
+Result<Motion> read_known(const std::filesystem::path& path, const std::string& extension,
                           const MotionReadOptions& options) {
+  if (extension == ".glb" || extension == ".gltf") return read_glb_motion(path);
+  MIEN_TRY(const Bytes bytes, read_file(path));
   if (extension == ".csv") return read_live_link_csv(as_text(bytes), {.fps = options.fps});
   if (extension == ".json") return read_motion_json(as_text(bytes));
-  if (extension == ".npy") {
-    MIEN_TRY(auto array, read_npy(bytes));
-    return motion_of_array(std::move(array), options.fps);
-  }
-  return read_glb_motion(bytes);
+  MIEN_TRY(auto array, read_npy(bytes));
+  return motion_of_array(std::move(array), options.fps);
 }
 
 }  // namespace
@@ -138,9 +137,9 @@ Result<Motion> read_motion(const std::filesystem::path& path, const MotionReadOp
   const std::string extension = lower_extension(path);
   const bool known = std::find(kExtensions.begin(), kExtensions.end(), extension) != kExtensions.end();
   if (!known && extension != ".gltf") return unknown_extension(path);
-  MIEN_TRY(const Bytes bytes, read_file(path));
-  auto motion = read_bytes(extension, bytes, options);
-  if (!motion) return within(motion.error(), "'" + path.string() + "'");
+  auto motion = read_known(path, extension, options);
+  const std::string name = "'" + path.string() + "'";
+  if (!motion && !motion.error().what.starts_with(name)) return within(motion.error(), name);
   return motion;
 }
 

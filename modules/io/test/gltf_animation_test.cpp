@@ -1,6 +1,7 @@
 #include "mien/io/gltf_animation.h"
 
 #include <cmath>
+#include <functional>
 #include <numbers>
 
 #include "io_test_support.h"
@@ -331,6 +332,58 @@ TEST(GltfAnimation, SurvivesTruncationAndFlippedBytes) {
   const Motion motion = talk({"jawOpen", "headYaw"}, 2);
   torture(
       whole, [&](const Bytes& bytes) { return animate_glb(bytes, motion, "").has_value(); }, never);
+}
+
+TEST(GltfAnimation, SurvivesEveryValueReplacedOrErased) {
+  const Motion motion = talk({"jawOpen", "headYaw"}, 2);
+  Glb whole = open_glb(*animate_glb(*write_glb(smallest_character()), motion, "a.wav"));
+  whole.json["skins"] = Json::array({{{"joints", {0}}}});
+  const Json hostile[] = {Json(),
+                          -1,
+                          0,
+                          1,
+                          3,
+                          65535,
+                          4294967295u,
+                          18446744073709551615u,
+                          1e300,
+                          0.5,
+                          true,
+                          "x",
+                          Json::array(),
+                          Json::array({0, 0}),
+                          Json::object()};
+  const auto survive = [&](const Json& json) {
+    const Bytes bytes = make_glb(json, whole.bin);
+    (void)read_glb(bytes);
+    (void)read_glb_motion(bytes);
+    (void)animate_glb(bytes, motion, "");
+  };
+  std::vector<Json::json_pointer> places;
+  const std::function<void(const Json&, const Json::json_pointer&)> collect =
+      [&](const Json& at, const Json::json_pointer& path) {
+        if (!path.empty()) places.push_back(path);
+        if (at.is_object())
+          for (const auto& [key, value] : at.items()) collect(value, path / key);
+        if (at.is_array())
+          for (std::size_t i = 0; i < at.size(); ++i) collect(at[i], path / i);
+      };
+  collect(whole.json, Json::json_pointer());
+  EXPECT_GT(places.size(), 150u);
+  for (const auto& place : places) {
+    for (const Json& value : hostile) {
+      Json damaged = whole.json;
+      damaged[place] = value;
+      survive(damaged);
+    }
+    Json damaged = whole.json;
+    Json& parent = damaged[place.parent_pointer()];
+    if (parent.is_object())
+      parent.erase(place.back());
+    else
+      parent.erase(static_cast<std::size_t>(std::stoul(place.back())));
+    survive(damaged);
+  }
 }
 
 TEST(GltfAnimation, NamesThatAreNotUtf8DoNotBreakTheFile) {

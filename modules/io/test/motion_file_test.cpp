@@ -62,6 +62,18 @@ TEST_F(MotionFile, EveryFormatReadsBackWhatItWrote) {
   EXPECT_EQ(num_files(), motion_extensions().size());
 }
 
+TEST_F(MotionFile, TextFilesMayKeepTheirDataBeside) {
+  Glb glb = open_glb(*animate_glb(*write_glb(tiny_character()), motion({"jawOpen"}, 3), ""));
+  glb.json["buffers"][0]["uri"] = "my%20take.bin";
+  ASSERT_TRUE(write_file(folder_ / "take.gltf", glb.json.dump()));
+  ASSERT_TRUE(write_file(folder_ / "my take.bin", std::span<const std::byte>(glb.bin)));
+  const auto read = read_motion(folder_ / "take.gltf");
+  ASSERT_TRUE(read) << read.error().message();
+  EXPECT_EQ(read->num_frames(), 3);
+  fs::remove(folder_ / "my take.bin");
+  EXPECT_EQ(read_motion(folder_ / "take.gltf").error().code, Errc::input);
+}
+
 TEST_F(MotionFile, LongMotionGoesThroughInBlocks) {
   const Motion made = motion(arkit_and_head_channels(), 3000);  // 1.7 MB of CSV
   ASSERT_TRUE(write_motion(folder_ / "long.csv", made));

@@ -1,4 +1,5 @@
 #pragma once
+#include <filesystem>
 #include <span>
 #include <string>
 #include <string_view>
@@ -38,5 +39,7 @@ Result<Bytes> animate_glb(std::span<const std::byte> glb, const Motion& motion, 
 /// damaged files and animations longer than their keys justify; Errc::incompatible when no animation moves an
 /// ARKit target.
 Result<Motion> read_glb_motion(std::span<const std::byte> glb);
+/// The same; buffers of a .gltf may also be files in its folder.
+Result<Motion> read_glb_motion(const std::filesystem::path& path);
 
 }  // namespace mien

@@ -182,10 +182,13 @@ void fill_rotations(std::span<std::byte> out, const Motion& motion, const Plan& 
   }
 }
 
+// What the animation will be added to must have the right kind.
 Status check_lists(const Json& json) {
   for (const char* key : {"buffers", "bufferViews", "accessors", "animations", "nodes", "meshes"})
     if (json.contains(key) && !json[key].is_array())
       return Error{Errc::input, "glTF", std::string("'") + key + "' is not a list", ""};
+  for (const Json& buffer : array_member(json, "buffers"))
+    if (!buffer.is_object()) return Error{Errc::input, "glTF", "a buffer is not described by an object", ""};
   return Done{};
 }
 

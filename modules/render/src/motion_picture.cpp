@@ -80,16 +80,25 @@ double MotionPicture::seconds() const {
   return longest;
 }
 
+MotionPicture::Scratch MotionPicture::take_scratch() const {
+  const std::lock_guard lock(pool_->mutex);
+  if (pool_->idle.empty()) return {};
+  Scratch scratch = std::move(pool_->idle.back());
+  pool_->idle.pop_back();
+  return scratch;
+}
+
 Image MotionPicture::at(double seconds, int num_threads) const {
   if (!std::isfinite(seconds)) seconds = 0;
+  Scratch scratch = take_scratch();
   Image picture(width(), height());
   RenderOptions shading = options_.shading;
   shading.num_threads = num_threads;
   int x = 0;
   for (const Performer& p : performers_) {
-    PosedCharacter posed;
-    p.poser.pose(values_at(*p.motion, seconds), posed);
-    blit(picture, render(character_scene(*character_, posed), camera_, shading).value(), x, 0);
+    p.poser.pose(values_at(*p.motion, seconds), scratch.posed);
+    const Scene scene = character_scene(*character_, scratch.posed);
+    blit(picture, render(scene, camera_, shading, &scratch.render).value(), x, 0);
     if (!p.label.empty()) draw_text(picture, x + 6, 4, fit_text(p.label, shading.width - 12));
     if (options_.strip_height > 0) {
       CurveStripOptions strip = options_.strip;
@@ -100,6 +109,8 @@ Image MotionPicture::at(double seconds, int num_threads) const {
     }
     x += shading.width;
   }
+  const std::lock_guard lock(pool_->mutex);
+  pool_->idle.push_back(std::move(scratch));
   return picture;
 }
 

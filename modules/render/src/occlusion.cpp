@@ -13,7 +13,7 @@ constexpr float kSoftness = 0.06f;  // of the radius squared: limits the weight 
 
 }  // namespace
 
-Occlusion::Occlusion(const GBuffer& buffer, const Projection& projection, float radius, float radius_m)
+Occlusion::Occlusion(GBuffer& buffer, const Projection& projection, float radius, float radius_m)
     : buffer_(buffer), projection_(projection), radius_m_(radius_m) {
   for (std::size_t phase = 0; phase < offsets_.size(); ++phase)
     for (int k = 0; k < kNumSamples; ++k) {
@@ -28,7 +28,6 @@ Occlusion::Occlusion(const GBuffer& buffer, const Projection& projection, float 
     }
   for (int x = 0; x < buffer.width; ++x)
     slope_x_.push_back((static_cast<float>(x) + 0.5f - projection.centre_x) / projection.focal);
-  raw_.reset(new float[buffer.count]);
 }
 
 void Occlusion::compute_line(int y) {
@@ -40,7 +39,7 @@ void Occlusion::compute_line(int y) {
   const float *nx = buffer_.nx.get() + row, *ny = buffer_.ny.get() + row, *nz = buffer_.nz.get() + row;
   const float slope_y = (projection_.centre_y - static_cast<float>(y) - 0.5f) / projection_.focal;
   const float bias = kBias * radius_m_, softness = kSoftness * radius_m_ * radius_m_;
-  float* sum = raw_.get() + row;
+  float* sum = buffer_.obscurance.get() + row;
   std::fill(sum + begin, sum + end, 0.0f);
   for (const Offset& offset : offsets_[static_cast<std::size_t>(y & 3)]) {
     const int line = y + offset.dy;
@@ -74,7 +73,7 @@ void Occlusion::filtered_line(int y, float* out) const {
     const float tap_weight = std::abs(tap) == 2 ? 0.5f : 1.0f;
     const LineExtent other_extent = drawn_extent(buffer_, line);
     const float* other = buffer_.depth.get() + buffer_.row(line);
-    const float* raw = raw_.get() + buffer_.row(line);
+    const float* raw = buffer_.obscurance.get() + buffer_.row(line);
     float* weight = weights.data();
     for (int x = std::max(extent.begin, other_extent.begin); x < std::min(extent.end, other_extent.end);
          ++x) {

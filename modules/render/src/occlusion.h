@@ -17,9 +17,9 @@ class Occlusion {
   static constexpr int kNumSamples = 14;
 
   /// `radius` in samples of the picture at the target's depth, `radius_m` the same in metres.
-  Occlusion(const GBuffer& buffer, const Projection& projection, float radius, float radius_m);
+  Occlusion(GBuffer& buffer, const Projection& projection, float radius, float radius_m);
 
-  /// First step, per line: fills the line's raw value. Lines are independent.
+  /// First step, per line: fills the line of GBuffer::obscurance. Lines are independent.
   void compute_line(int y);
   /// Second step, after all lines: what reaches the samples of a line, 0 (dark) to 1 (open). `out` has
   /// `width` values.
@@ -29,12 +29,11 @@ class Occlusion {
   struct Offset {
     int dx, dy;
   };
-  const GBuffer& buffer_;
+  GBuffer& buffer_;
   const Projection& projection_;
   float radius_m_;
   std::array<std::array<Offset, kNumSamples>, 4> offsets_;
-  std::vector<float> slope_x_;    // [width] x / depth of each column
-  std::unique_ptr<float[]> raw_;  // [height, width] mean obscurance; only written where something was drawn
+  std::vector<float> slope_x_;  // [width] x / depth of each column
 };
 
 }  // namespace mien::render_detail

@@ -102,8 +102,8 @@ Projection make_projection(const Camera& camera, int width, int height) {
   return p;
 }
 
-ViewVertices to_view(const Scene& scene, const Projection& projection, int num_threads) {
-  ViewVertices out;
+void to_view(const Scene& scene, const Projection& projection, int num_threads, ViewVertices& out) {
+  out.first.clear();
   std::size_t count = 0;
   for (const Surface& surface : scene.surfaces) {
     out.first.push_back(count);
@@ -116,18 +116,18 @@ ViewVertices to_view(const Scene& scene, const Projection& projection, int num_t
     for_blocks(num_threads, surface.positions.size(), [&](std::size_t begin, std::size_t end) {
       for (std::size_t v = begin; v < end; ++v) {
         out.positions[out.first[s] + v] = projection.rotate(surface.positions[v] - projection.origin);
-        if (!surface.normals.empty()) out.normals[out.first[s] + v] = projection.rotate(surface.normals[v]);
+        out.normals[out.first[s] + v] =
+            surface.normals.empty() ? Vec3{} : projection.rotate(surface.normals[v]);
       }
     });
   }
-  return out;
 }
 
-std::vector<Triangle> set_up_triangles(const Scene& scene, const ViewVertices& vertices,
-                                       const Projection& projection, int width, int height, int num_threads) {
+void set_up_triangles(const Scene& scene, const ViewVertices& vertices, const Projection& projection,
+                      int width, int height, int num_threads, std::vector<Triangle>& out) {
   std::size_t count = 0;
   for (const Surface& surface : scene.surfaces) count += surface.triangles.size();
-  std::vector<Triangle> out(count);
+  out.resize(count);
   std::size_t first = 0;
   for (std::size_t s = 0; s < scene.surfaces.size(); ++s) {
     const auto triangles = scene.surfaces[s].triangles;
@@ -142,7 +142,6 @@ std::vector<Triangle> set_up_triangles(const Scene& scene, const ViewVertices& v
     });
     first += triangles.size();
   }
-  return out;
 }
 
 }  // namespace mien::render_detail

@@ -43,10 +43,10 @@ struct ViewVertices {
   std::vector<std::size_t> first;        // of each surface
 };
 
-ViewVertices to_view(const Scene& scene, const Projection& projection, int num_threads);
+void to_view(const Scene& scene, const Projection& projection, int num_threads, ViewVertices& out);
 
 /// All triangles in scene order; those that are not seen have left > right.
-std::vector<Triangle> set_up_triangles(const Scene& scene, const ViewVertices& vertices,
-                                       const Projection& projection, int width, int height, int num_threads);
+void set_up_triangles(const Scene& scene, const ViewVertices& vertices, const Projection& projection,
+                      int width, int height, int num_threads, std::vector<Triangle>& out);
 
 }  // namespace mien::render_detail

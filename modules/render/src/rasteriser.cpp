@@ -40,6 +40,16 @@ void for_lines(int num_threads, int lines, const std::function<void(int)>& body)
 
 }  // namespace
 
+struct RenderScratch::Buffers {
+  ViewVertices vertices;
+  std::vector<Triangle> triangles;
+  GBuffer samples;
+};
+RenderScratch::RenderScratch() : buffers_(std::make_unique<Buffers>()) {}
+RenderScratch::RenderScratch(RenderScratch&&) noexcept = default;
+RenderScratch& RenderScratch::operator=(RenderScratch&&) noexcept = default;
+RenderScratch::~RenderScratch() = default;
+
 Status RenderOptions::validate() const {
   const auto side = [](const char* name, int value) -> Status {
     if (value >= 1 && value <= kMaxSide) return Done{};
@@ -56,15 +66,21 @@ Status RenderOptions::validate() const {
   return Done{};
 }
 
-Result<Image> render(const Scene& scene, const Camera& camera, const RenderOptions& options) {
+Result<Image> render(const Scene& scene, const Camera& camera, const RenderOptions& options,
+                     RenderScratch* scratch) {
   MIEN_TRY([[maybe_unused]] const auto valid, options.validate());
   check(scene);
+  RenderScratch own;
+  RenderScratch::Buffers& memory = (scratch != nullptr ? scratch : &own)->buffers();
+  ViewVertices& vertices = memory.vertices;
+  std::vector<Triangle>& triangles = memory.triangles;
+  GBuffer& buffer = memory.samples;
   const int scale = options.supersampling, width = options.width * scale, height = options.height * scale;
   const Projection projection = make_projection(camera, width, height);
-  const ViewVertices vertices = to_view(scene, projection, options.num_threads);
-  const auto triangles = set_up_triangles(scene, vertices, projection, width, height, options.num_threads);
+  to_view(scene, projection, options.num_threads, vertices);
+  set_up_triangles(scene, vertices, projection, width, height, options.num_threads, triangles);
   const TileBins bins = bin_triangles(triangles, width, height);
-  GBuffer buffer(width, height);
+  buffer.reshape(width, height);
   parallel_for(options.num_threads, static_cast<std::int64_t>(bins.columns) * bins.rows,
                [&](std::int64_t tile) {
                  draw_tile(scene, vertices, triangles, bins, static_cast<int>(tile), buffer);

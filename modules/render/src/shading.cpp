@@ -43,69 +43,76 @@ const GammaTables& gamma_tables() {
   return tables;
 }
 
-inline float positive(float v) { return v > 0.0f ? v : 0.0f; }
+inline std::uint8_t encoded(const GammaTables& tables, float linear) {
+  const float clamped =
+      linear > 0.0f ? (linear < 1.0f ? linear : 1.0f) : 0.0f;  // a value that is not a number: 0
+  return tables.encode[static_cast<std::size_t>(std::sqrt(clamped) * (kGammaSteps - 1) + 0.5f)];
+}
+
+// max(v, 0) without a branch, exact.
+inline float positive(float v) { return 0.5f * (v + std::abs(v)); }
 
 inline float wrapped(float cosine, float wrap) { return positive(cosine + wrap) * (1.0f / (1.0f + wrap)); }
 
-// How the lights meet a sample; the same for all three colours.
-struct Incidence {
-  float key, fill;  // cosines
-  float up;         // 0 faces the ground, 1 the sky
-  float rim;
-  float crease;  // share of the surroundings that is not hidden
-};
+inline float cosine(float x, float y, float z, const Vec3& direction) {
+  return x * direction.x + y * direction.y + z * direction.z;
+}
 
-// Light that falls on a matt surface in one colour. A template, because the compiler gives up on vector code
-// for a loop over colours.
+// Light that falls on a matt surface in one colour, from the cosines to the key and fill light, the rim
+// light, the share of sky (0 faces the ground) and the share of the surroundings that is not hidden.
 template <std::size_t I>
-inline float light_of(const Incidence& in) {
-  const float ambient = kGround[I] + in.up * (kSky[I] - kGround[I]);
-  return kKey.color[I] * wrapped(in.key, kKey.wrap[I]) * (0.35f + 0.65f * in.crease) +
-         (kFill.color[I] * wrapped(in.fill, kFill.wrap[I]) + ambient) * in.crease + kRim.color[I] * in.rim;
+inline float light_of(float key, float fill, float rim, float up, float crease) {
+  const float ambient = kGround[I] + up * (kSky[I] - kGround[I]);
+  return kKey.color[I] * wrapped(key, kKey.wrap[I]) * (0.35f + 0.65f * crease) +
+         (kFill.color[I] * wrapped(fill, kFill.wrap[I]) + ambient) * crease + kRim.color[I] * rim;
 }
 
 }  // namespace
 
+// Plain numbers, local copies and no branches, so that the loop becomes vector code.
 void shade_line(GBuffer& buffer, const Projection& projection, int y, const float* open) {
   const LineExtent extent = drawn_extent(buffer, y);
   const std::size_t row = buffer.row(y);
-  const float *nx = buffer.nx.get() + row, *ny = buffer.ny.get() + row, *nz = buffer.nz.get() + row;
+  const float* normal_x = buffer.nx.get() + row;
+  const float* normal_y = buffer.ny.get() + row;
+  const float* normal_z = buffer.nz.get() + row;
   const float* gloss = buffer.gloss.get() + row;
-  float *red = buffer.red.get() + row, *green = buffer.green.get() + row, *blue = buffer.blue.get() + row;
-  const float view_y = (projection.centre_y - static_cast<float>(y) - 0.5f) / projection.focal;
-  for (int x = extent.begin; x < extent.end; ++x) {
-    const Vec3 n{nx[x], ny[x], nz[x]};
+  float* red = buffer.red.get() + row;
+  float* green = buffer.green.get() + row;
+  float* blue = buffer.blue.get() + row;
+  const float centre_x = projection.centre_x, focal = projection.focal;
+  const float view_y = (projection.centre_y - static_cast<float>(y) - 0.5f) / focal;
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC ivdep  // the planes do not overlap
+#endif
+  for (int x = extent.begin, end = extent.end; x < end; ++x) {
+    const float nx = normal_x[x], ny = normal_y[x], nz = normal_z[x], shine = gloss[x], openness = open[x];
     // Direction to the eye. Towards the rim of a form the normal may turn away from it by interpolation.
-    const float view_x = (static_cast<float>(x) + 0.5f - projection.centre_x) / projection.focal;
+    const float view_x = (static_cast<float>(x) + 0.5f - centre_x) / focal;
     const float view_scale = 1.0f / std::sqrt(view_x * view_x + view_y * view_y + 1.0f);
-    const Vec3 eye{-view_x * view_scale, -view_y * view_scale, -view_scale};
-    const float facing = positive(dot(n, eye));
-
-    const float key = dot(n, kKey.direction), fill = dot(n, kFill.direction), rim = dot(n, kRim.direction);
+    const float ex = -view_x * view_scale, ey = -view_y * view_scale, ez = -view_scale;
+    const float facing = positive(nx * ex + ny * ey + nz * ez);
     const float edge = (1.0f - facing) * (1.0f - facing);
 
-    const Vec3 half = kKey.direction + eye;
-    const float half_squared = dot(half, half);
-    const float c = positive(dot(n, half));
     // Blinn's highlight: a broad lobe (exponent 16) for skin and a sharp one (128) that only wet things show.
-    const float p2 = c * c / half_squared, p4 = p2 * p2, p8 = p4 * p4, p16 = p8 * p8, p32 = p16 * p16;
-    const float p64 = p32 * p32, p128 = p64 * p64;
+    const float hx = kKey.direction.x + ex, hy = kKey.direction.y + ey, hz = kKey.direction.z + ez;
+    const float c = positive(nx * hx + ny * hy + nz * hz);
+    const float p2 = c * c / (hx * hx + hy * hy + hz * hz), p4 = p2 * p2, p8 = p4 * p4, p16 = p8 * p8;
+    const float p32 = p16 * p16, p64 = p32 * p32, p128 = p64 * p64;
     const float highlight =
-        kHighlight * gloss[x] * ((1.0f - gloss[x]) * 0.4f * p16 + gloss[x] * 1.2f * p128) * open[x];
+        kHighlight * shine * ((1.0f - shine) * 0.4f * p16 + shine * 1.2f * p128) * openness;
 
-    const float crease = open[x] * (0.55f + 0.45f * open[x]);
-    const Incidence in{key, fill, 0.5f + 0.5f * n.y, positive(rim) * edge * open[x], crease};
-    red[x] = red[x] * light_of<0>(in) + highlight * kKey.color[0];
-    green[x] = green[x] * light_of<1>(in) + highlight * kKey.color[1];
-    blue[x] = blue[x] * light_of<2>(in) + highlight * kKey.color[2];
+    const float crease = openness * (0.55f + 0.45f * openness);
+    const float key = cosine(nx, ny, nz, kKey.direction), fill = cosine(nx, ny, nz, kFill.direction);
+    const float rim = positive(cosine(nx, ny, nz, kRim.direction)) * edge * openness;
+    const float up = 0.5f + 0.5f * ny;
+    red[x] = red[x] * light_of<0>(key, fill, rim, up, crease) + highlight * kKey.color[0];
+    green[x] = green[x] * light_of<1>(key, fill, rim, up, crease) + highlight * kKey.color[1];
+    blue[x] = blue[x] * light_of<2>(key, fill, rim, up, crease) + highlight * kKey.color[2];
   }
 }
 
-std::uint8_t encode_gamma(float linear) {
-  const float clamped =
-      linear > 0.0f ? (linear < 1.0f ? linear : 1.0f) : 0.0f;  // a value that is not a number: 0
-  return gamma_tables().encode[static_cast<std::size_t>(std::sqrt(clamped) * (kGammaSteps - 1) + 0.5f)];
-}
+std::uint8_t encode_gamma(float linear) { return encoded(gamma_tables(), linear); }
 
 float decode_gamma(std::uint8_t value) { return gamma_tables().decode[value]; }
 
@@ -125,6 +132,7 @@ Rgb8 background_at(int x, int y, const RenderOptions& options) {
 
 void resolve_line(const GBuffer& buffer, int y, const RenderOptions& options, Image& picture) {
   const int s = options.supersampling;
+  const GammaTables& tables = gamma_tables();
   Rgb8* out = picture.row(y);
   for (int x = 0; x < options.width; ++x) {
     float sum[3] = {0, 0, 0};
@@ -147,11 +155,12 @@ void resolve_line(const GBuffer& buffer, int y, const RenderOptions& options, Im
     if (drawn < s * s) {
       const Rgb8 wall = background_at(x, y, options);
       const auto rest = static_cast<float>(s * s - drawn);
-      sum[0] += rest * decode_gamma(wall.r);
-      sum[1] += rest * decode_gamma(wall.g);
-      sum[2] += rest * decode_gamma(wall.b);
+      sum[0] += rest * tables.decode[wall.r];
+      sum[1] += rest * tables.decode[wall.g];
+      sum[2] += rest * tables.decode[wall.b];
     }
-    out[x] = {encode_gamma(scale * sum[0]), encode_gamma(scale * sum[1]), encode_gamma(scale * sum[2])};
+    out[x] = {encoded(tables, scale * sum[0]), encoded(tables, scale * sum[1]),
+              encoded(tables, scale * sum[2])};
   }
 }
 

@@ -162,6 +162,20 @@ TEST(Rasteriser, SamePictureForAnyNumberOfThreads) {
   }
 }
 
+TEST(Rasteriser, ReusedMemoryChangesNothing) {
+  const Solid a = ball({0.05f, 0, 0}, 0.3f, 40), b = ball({-0.2f, 0.1f, 0.15f}, 0.15f, 25);
+  Solid flat = a;
+  flat.normals.clear();
+  RenderScratch scratch;
+  for (const auto& [solid, side] :
+       {std::pair<const Solid*, int>(&a, 150), {&b, 60}, {&flat, 90}, {&a, 200}}) {
+    RenderOptions options;
+    options.width = side, options.height = 2 * side;
+    const Scene scene = scene_of({solid});
+    EXPECT_EQ(render(scene, unit_camera(), options, &scratch).value(), drawn(scene, options)) << side;
+  }
+}
+
 TEST(Rasteriser, SupersamplingSmoothsTheOutline) {
   const Solid t = polygon({{-0.4f, -0.4f, 0}, {0.4f, -0.37f, 0}, {0.0f, 0.4f, 0}}, {0, 0, 0, 1});
   RenderOptions options = plain(64, 64);

@@ -1,5 +1,6 @@
 #pragma once
 #include <memory>
+#include <mutex>
 #include <span>
 #include <string>
 #include <vector>
@@ -45,18 +46,30 @@ class MotionPicture {
   [[nodiscard]] Image at(double seconds, int num_threads = 1) const;
 
  private:
+  struct Scratch {
+    RenderScratch render;
+    PosedCharacter posed;
+  };
   struct Performer {
     const Motion* motion;
     std::string label;
     Poser poser;
   };
   MotionPicture(const Character& character, const MotionPictureOptions& options, Camera camera)
-      : character_(&character), options_(options), camera_(camera) {}
+      : character_(&character), options_(options), camera_(camera), pool_(std::make_unique<Pool>()) {}
+
+  [[nodiscard]] Scratch take_scratch() const;
 
   const Character* character_;
   MotionPictureOptions options_;
   Camera camera_;
   std::vector<Performer> performers_;
+  // Scratch memory of finished pictures, for the next ones: as many as pictures were drawn at the same time.
+  struct Pool {
+    std::mutex mutex;
+    std::vector<Scratch> idle;
+  };
+  std::unique_ptr<Pool> pool_;
 };
 
 }  // namespace mien

@@ -204,11 +204,33 @@ TEST(Direction, InterpolatesAndHoldsItsEnds) {
   EXPECT_EQ(direction->keys()[1].style, -1);
 }
 
+TEST(Direction, JsonSaysTheSameAsCsv) {
+  const auto csv =
+      parse_direction_csv("time,emotion,intensity,style\n1,happy,0.2,S03\n2,angry,3\n2,sad,0.5\n");
+  const auto json =
+      parse_direction_json(R"([{"time": 1, "emotion": "happy", "intensity": 0.2, "style": "S03"},
+      {"time": 2, "emotion": "angry", "intensity": 3}, {"time": 2, "emotion": "sad", "intensity": 0.5}])");
+  ASSERT_TRUE(csv && json) << json.error().message();
+  ASSERT_EQ(json->keys().size(), csv->keys().size());
+  for (std::size_t i = 0; i < json->keys().size(); ++i) {
+    EXPECT_EQ(json->keys()[i].seconds, csv->keys()[i].seconds);
+    EXPECT_EQ(json->keys()[i].intensities, csv->keys()[i].intensities);
+    EXPECT_EQ(json->keys()[i].style, csv->keys()[i].style);
+  }
+  for (const char* text :
+       {"", "[", "{}", "[]", "[1]", R"([{"time":0}])", R"([{"time":0,"emotion":"glad","intensity":1}])",
+        R"([{"time":"0","emotion":"sad","intensity":1}])",
+        R"([{"time":0,"emotion":"sad","intensity":1,"mood":2}])",
+        R"([{"time":1,"emotion":"sad","intensity":1},{"time":0,"emotion":"sad","intensity":1}])"})
+    EXPECT_EQ(parse_direction_json(text).error().code, Errc::input) << text;
+}
+
 TEST(Direction, NamesTheLineOfAMistake) {
-  for (const char* text : {"", "x,y,z\n", "time,emotion,intensity\n", "time,emotion,intensity\n-1,happy,1\n",
-                           "time,emotion,intensity\n0,glad,1\n", "time,emotion,intensity\n0,happy,1.5\n",
-                           "time,emotion,intensity\n1,happy,1\n0,sad,1\n",
-                           "time,emotion,intensity,style\n0,sad,1,S99\n", "time,emotion,intensity\n0,nan\n"})
+  for (const char* text :
+       {"", "x,y,z\n", "time,emotion,intensity\n", "time,emotion,intensity\n-1,happy,1\n",
+        "time,emotion,intensity\n0,glad,1\n", "time,emotion,intensity\n0,happy,1.5\n",
+        "time,emotion,intensity\n1,happy,1\n0,sad,1\n", "time,emotion,intensity,style\n0,sad,1,S99\n",
+        "time,emotion,intensity\n0,nan\n", "time,emotion,intensity\ninf,sad,1\n"})
     EXPECT_EQ(parse_direction_csv(text).error().code, Errc::input) << text;
   EXPECT_NE(
       parse_direction_csv("time,emotion,intensity\n0,happy,1\n1,glad,1\n").error().message().find("line 3"),

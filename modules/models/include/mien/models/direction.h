@@ -53,4 +53,8 @@ Result<int> parse_style(std::string_view text);
 /// time blend. Errors (Errc::input): bad fields, each with its line.
 Result<Direction> parse_direction_csv(std::string_view text);
 
+/// The same from JSON: [{"time": 0.5, "emotion": "happy", "intensity": 0.8, "style": "S03"}, ...]; the numbers
+/// 1, 2 and 3 without a dot are levels. Errors (Errc::input): another shape, bad members, each with its key.
+Result<Direction> parse_direction_json(std::string_view text);
+
 }  // namespace mien

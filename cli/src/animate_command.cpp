@@ -61,9 +61,7 @@ Result<Prepared> prepare(const AnimateArguments& a) {
   constexpr OutputKind kAll[] = {OutputKind::motion, OutputKind::video, OutputKind::sheet,
                                  OutputKind::frames};
   const std::array<fs::path, 3> inputs = {a.speech, p.model_path, p.character_path};
-  MIEN_TRY(const auto planned, plan_outputs(names, inputs, kAll));
-  for (int take = 0; take < a.takes; ++take)
-    for (const auto& output : planned) p.outputs.push_back(output_of_take(output, take, a.takes));
+  MIEN_TRY(p.outputs, plan_outputs(names, inputs, kAll, a.takes));
   return p;
 }
 
@@ -185,7 +183,7 @@ void add_animate_command(CLI::App& program, Chosen& chosen) {
   command->add_option(
       "--emotion", a->words.emotion,
       "neutral, happy, sad, surprised, fear, disgusted, angry or contempt, with a level :1 :2 :3 or an "
-      "intensity :0.0 to :1.0; or a .csv file: time,emotion,intensity[,style]. Default: neutral");
+      "intensity :0.0 to :1.0; or a .csv or .json file: time,emotion,intensity[,style]. Default: neutral");
   command->add_option("--style", a->words.style,
                       "Manner of a speaker, S00 to S11. Default: none in particular");
   command->add_option("--seed", a->words.seed, "Chooses the take: the same seed gives the same bytes")

@@ -16,7 +16,8 @@ bool names_a_file(const std::string& word) {
 
 Result<Direction> read_direction(const std::string& path) {
   MIEN_TRY(const Bytes bytes, read_file(path));
-  auto direction = parse_direction_csv(as_text(bytes));
+  auto direction =
+      path.ends_with(".json") ? parse_direction_json(as_text(bytes)) : parse_direction_csv(as_text(bytes));
   if (!direction) return within(direction.error(), "direction '" + path + "'");
   return direction;
 }

@@ -83,11 +83,13 @@ int print_help(CLI::App& program, const std::vector<std::string>& words, Console
     if (words.front() == companion.command)
       return report_error(become(companion, std::vector<std::string>{"--help"}), progress);
   CLI::App* app = &program;
+  std::string before;  // names of the commands around it
   for (const auto& word : words) {
+    before += (before.empty() ? "" : " ") + app->get_name();
     app = find_command(*app, word);
     if (app == nullptr) return report_error(unknown_command(program, word), progress);
   }
-  std::fputs(app->help().c_str(), stdout);
+  std::fputs(app->help(before).c_str(), stdout);
   return 0;
 }
 

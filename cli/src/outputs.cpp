@@ -62,28 +62,6 @@ Result<Output> plan_output(const std::string& name, std::span<const OutputKind> 
                (near.empty() ? "" : "Did you mean " + near + "? ") + "Known: " + list};
 }
 
-}  // namespace
-
-bool Output::is_glb() const { return lower_extension(path) == ".glb"; }
-
-Result<std::vector<Output>> plan_outputs(std::span<const std::string> names, std::span<const fs::path> inputs,
-                                         std::span<const OutputKind> allowed) {
-  std::vector<Output> outputs;
-  std::set<fs::path> seen;
-  for (const auto& name : names) {
-    MIEN_TRY(auto output, plan_output(name, allowed));
-    std::error_code ec;
-    for (const auto& input : inputs)
-      if (fs::equivalent(output.path, input, ec))
-        return Error{Errc::usage, "output '" + name + "'", "is an input of this command",
-                     "Choose another name"};
-    if (!seen.insert(fs::weakly_canonical(output.path, ec)).second)
-      return Error{Errc::usage, "output '" + name + "'", "is given twice", ""};
-    outputs.push_back(std::move(output));
-  }
-  return outputs;
-}
-
 Output output_of_take(const Output& output, int take, int num_takes) {
   if (num_takes == 1) return output;
   Output own = output;
@@ -92,6 +70,31 @@ Output output_of_take(const Output& output, int take, int num_takes) {
   own.path.replace_filename(name.substr(0, name.size() - extension.size()) + "-" + std::to_string(take + 1) +
                             extension);
   return own;
+}
+
+}  // namespace
+
+bool Output::is_glb() const { return lower_extension(path) == ".glb"; }
+
+Result<std::vector<Output>> plan_outputs(std::span<const std::string> names, std::span<const fs::path> inputs,
+                                         std::span<const OutputKind> allowed, int num_takes) {
+  std::vector<Output> outputs;
+  std::set<fs::path> seen;
+  for (int take = 0; take < num_takes; ++take) {
+    for (const auto& name : names) {
+      MIEN_TRY(const auto output, plan_output(name, allowed));
+      outputs.push_back(output_of_take(output, take, num_takes));
+      const fs::path& path = outputs.back().path;
+      const std::string what = "output '" + path.string() + "'";
+      std::error_code ec;
+      for (const auto& input : inputs)
+        if (fs::equivalent(path, input, ec))
+          return Error{Errc::usage, what, "is an input of this command", "Choose another name"};
+      if (!seen.insert(fs::weakly_canonical(fs::absolute(path, ec), ec)).second)
+        return Error{Errc::usage, what, "is given twice", ""};
+    }
+  }
+  return outputs;
 }
 
 Status check_writable(std::span<const Output> outputs) {

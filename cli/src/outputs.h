@@ -23,14 +23,12 @@ struct Output {
   [[nodiscard]] bool is_glb() const;
 };
 
-/// Kinds by extension. Errors (Errc::usage): an extension that nothing writes (the message lists those that
-/// `allowed` holds), the same output twice, an output that is one of the inputs.
+/// Outputs of all takes, take by take; kinds by extension. Take k of several gets a number: "hello-1.glb" ...
+/// Errors (Errc::usage): an extension that nothing writes (the message lists those that `allowed` holds), the
+/// same output twice, an output that is one of the inputs.
 Result<std::vector<Output>> plan_outputs(std::span<const std::string> names,
                                          std::span<const std::filesystem::path> inputs,
-                                         std::span<const OutputKind> allowed);
-
-/// Take k of n: "hello-1.glb" ... "hello-n.glb"; unchanged for a single take.
-Output output_of_take(const Output& output, int take, int num_takes);
+                                         std::span<const OutputKind> allowed, int num_takes = 1);
 
 /// Tries to write at every place, and leaves nothing there: long work must not end in an error that could
 /// have been seen at its start. Errors (Errc::failed): a missing or read-only folder, a folder of the name.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mien/core/arkit.h"
 #include "mien/render/character_scene.h"
 #include "mien/render/text.h"
 
@@ -22,6 +23,11 @@ std::vector<float> values_at(const Motion& motion, double seconds) {
   const auto a = motion.frame(left), b = motion.frame(right);
   for (std::size_t c = 0; c < values.size(); ++c) values[c] = a[c] + share * (b[c] - a[c]);
   return values;
+}
+
+void hold_head(const std::vector<std::string>& channels, std::vector<float>& values) {
+  for (std::size_t c = 0; c < values.size(); ++c)
+    if (std::find(head_names().begin(), head_names().end(), channels[c]) != head_names().end()) values[c] = 0;
 }
 
 std::string joined(const std::vector<std::string>& names) {
@@ -96,7 +102,9 @@ Image MotionPicture::at(double seconds, int num_threads) const {
   shading.num_threads = num_threads;
   int x = 0;
   for (const Performer& p : performers_) {
-    p.poser.pose(values_at(*p.motion, seconds), scratch.posed);
+    std::vector<float> values = values_at(*p.motion, seconds);
+    if (options_.view == View::mouth) hold_head(p.motion->channels, values);
+    p.poser.pose(values, scratch.posed);
     const Scene scene = character_scene(*character_, scratch.posed);
     blit(picture, render(scene, camera_, shading, &scratch.render).value(), x, 0);
     if (!p.label.empty()) draw_text(picture, x + 6, 4, fit_text(p.label, shading.width - 12));

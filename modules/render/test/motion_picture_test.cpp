@@ -71,6 +71,20 @@ TEST(MotionPicture, ShowsMotionsSideBySideWithTheirOwnStrips) {
   EXPECT_FALSE(MotionPicture::create(character, {&a, &b}, options).value().at(0.1) == picture);
 }
 
+TEST(MotionPicture, CloseUpOfTheMouthStaysWithTheHead) {
+  const Character character = ball_character();
+  const Motion still{MotionSpace::arkit, {"jawOpen", "headYaw"}, 10, {1, 0}};
+  const Motion turned{MotionSpace::arkit, {"jawOpen", "headYaw"}, 10, {1, 30}};
+  for (const View view : {View::mouth, View::front}) {
+    MotionPictureOptions options = small(64, 64);
+    options.view = view;
+    const auto shown = [&](const Motion& motion) {
+      return MotionPicture::create(character, {&motion}, options).value().at(0);
+    };
+    EXPECT_EQ(shown(still) == shown(turned), view == View::mouth);
+  }
+}
+
 TEST(MotionPicture, SamePictureForAnyNumberOfThreads) {
   const Character character = ball_character();
   const Motion motion = jaw({0.7f});

@@ -89,6 +89,17 @@ TEST(Rasteriser, CommonEdgesHaveNoGaps) {
       }
 }
 
+TEST(Rasteriser, SamplesOnACommonEdgeAreDrawn) {
+  // The diagonal goes through the centres of pixels, and so do two sides of the square: pixels 16 ... 47 are
+  // covered. With 64 pixels on a metre and the camera at z = 1, all corners are exact in binary.
+  const float low = -15.5f / 64, high = 16.5f / 64;
+  const Solid square = polygon({{low, -high, 0}, {high, -high, 0}, {high, -low, 0}, {low, -low, 0}});
+  const RenderOptions options = plain(64, 64);
+  const Image empty = drawn({}, options), image = drawn(scene_of({&square}), options);
+  for (int y = 18; y < 46; ++y)
+    for (int x = 18; x < 46; ++x) EXPECT_FALSE(image.at(x, y) == empty.at(x, y)) << x << " " << y;
+}
+
 TEST(Rasteriser, NearerSurfaceHidesTheFartherInAnyOrder) {
   const Solid near =
       polygon({{-0.2f, -0.2f, 0.1f}, {0.2f, -0.2f, 0.1f}, {0, 0.2f, 0.1f}}, {0.9f, 0.05f, 0.05f, 1});
@@ -99,6 +110,14 @@ TEST(Rasteriser, NearerSurfaceHidesTheFartherInAnyOrder) {
   EXPECT_EQ(a, b);
   EXPECT_GT(a.at(32, 34).r, a.at(32, 34).b + 100);  // the near one
   EXPECT_GT(a.at(32, 52).b, a.at(32, 52).r + 100);  // the far one, beside it
+}
+
+TEST(Rasteriser, FirstOfTwoSurfacesInOnePlaceIsSeen) {
+  const std::vector<Vec3> corners = {{-0.3f, -0.3f, 0}, {0.3f, -0.3f, 0}, {0, 0.3f, 0}};
+  const Solid red = polygon(corners, {0.9f, 0, 0, 1}), blue = polygon(corners, {0, 0, 0.9f, 1});
+  const RenderOptions options = plain(64, 64);
+  EXPECT_EQ(drawn(scene_of({&red, &blue}), options), drawn(scene_of({&red}), options));
+  EXPECT_EQ(drawn(scene_of({&blue, &red}), options), drawn(scene_of({&blue}), options));
 }
 
 TEST(Rasteriser, SurfacesThatCrossAreSplitWhereTheyMeet) {

@@ -132,6 +132,9 @@ TEST_F(BadInput, OutputsThatCannotBeWritten) {
     return std::vector<std::string>{"animate", "speech.wav", "--model", "small.safetensors", "-o", output};
   };
   expect(to("absent/out.glb"), 1, "absent/out.glb");
+  expect({"animate", "speech.wav", "--model", "small.safetensors", "-o", "good.csv", "-o", "absent/out.csv"},
+         1,
+         "absent/out.csv");  // seen before the first one is written
   std::filesystem::create_directory(in_folder("taken.csv"));
   expect(to("taken.csv"), 1, "is a folder");
   write("file", "x");

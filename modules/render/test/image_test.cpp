@@ -1,6 +1,7 @@
 #include "mien/render/image.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <array>
 #include <filesystem>
@@ -124,7 +125,8 @@ TEST(Png, FlippedBytesDoNotCrash) {
 }
 
 TEST(Png, FilesNameTheirProblem) {
-  const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "mien_png_test";
+  const std::filesystem::path folder =
+      std::filesystem::path(testing::TempDir()) / ("mien_png_test_" + std::to_string(::getpid()));
   std::filesystem::create_directories(folder);
   const Image image = noise(12, 4);
   ASSERT_TRUE(write_png(folder / "a.png", image).has_value());

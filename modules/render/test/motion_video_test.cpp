@@ -1,6 +1,7 @@
 #include "mien/render/motion_video.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include "ball_character.h"
 #include "decode_video.h"
@@ -45,7 +46,7 @@ class MotionFilm : public testing::Test {
   Character character_ = render_test::ball_character();
   Motion motion_;
   AudioClip clip_;
-  fs::path folder_ = fs::path(testing::TempDir()) / "mien_motion_film_test";
+  fs::path folder_ = fs::path(testing::TempDir()) / ("mien_motion_film_test_" + std::to_string(::getpid()));
 };
 
 TEST_F(MotionFilm, ShowsEveryInstantWithSoundCutAtTheEnd) {

@@ -1,6 +1,7 @@
 #include "mien/render/video.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -47,7 +48,8 @@ class Video : public testing::TestWithParam<const char*> {
     return writer.finish();
   }
 
-  std::filesystem::path folder_ = std::filesystem::path(testing::TempDir()) / "mien_video_test";
+  std::filesystem::path folder_ =
+      std::filesystem::path(testing::TempDir()) / ("mien_video_test_" + std::to_string(::getpid()));
 };
 INSTANTIATE_TEST_SUITE_P(Containers, Video, testing::Values(".mp4", ".webm"),
                          [](const auto& container) { return std::string(container.param + 1); });

@@ -1,4 +1,5 @@
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <filesystem>
 
@@ -49,7 +50,8 @@ void expect_same(const Tensor& got, const torch::Tensor& want, const char* what)
 class Parity : public testing::Test {
  protected:
   void SetUp() override {
-    const fs::path path = fs::path(testing::TempDir()) / "mien_parity_model.safetensors";
+    const fs::path path =
+        fs::path(testing::TempDir()) / ("mien_parity_" + std::to_string(::getpid()) + ".safetensors");
     dm::ModelMetadata metadata;
     metadata.sizes = kSizes;
     ASSERT_TRUE(save_parameters(parameters(torch_), path, false, dm::to_metadata(metadata)));

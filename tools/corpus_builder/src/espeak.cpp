@@ -150,7 +150,7 @@ class Espeak final : public Engine {
   // After a failure espeak keeps the old voice, and it accepts unknown variants silently: check both names
   // first.
   Status choose(const std::string& voice) {
-    if (voice == current_) return Done{};
+    if (!voice.empty() && voice == current_) return Done{};
     const auto plus = voice.find('+');
     const std::string file = voice.substr(0, plus);
     if (!files_.contains(file))

@@ -79,6 +79,57 @@ std::string last_word(std::string_view name) {
   return word;
 }
 
+// Lowest and highest corner of meshes in the scene, from the bounds that POSITION accessors state (floats
+// only).
+struct Bounds {
+  std::array<double, 3> low = {1e30, 1e30, 1e30}, high = {-1e30, -1e30, -1e30};
+  [[nodiscard]] bool empty() const { return low[0] > high[0]; }
+};
+
+Bounds bounds_of(const GltfDocument& document, const NodeTree& tree,
+                 const std::vector<std::size_t>& mesh_nodes) {
+  constexpr std::size_t kFloat = 5126;
+  Bounds bounds;
+  const Json& accessors = array_member(document.json, "accessors");
+  const Json& meshes = array_member(document.json, "meshes");
+  for (const std::size_t node : mesh_nodes) {
+    const auto mesh = index_member(document.json["nodes"][node], "mesh");
+    if (!mesh || *mesh >= meshes.size()) continue;
+    for (const Json& primitive : array_member(meshes[*mesh], "primitives")) {
+      const auto accessor = index_member(member(primitive, "attributes"), "POSITION");
+      if (!accessor || *accessor >= accessors.size()) continue;
+      std::array<std::array<double, 3>, 2> box{};
+      const Json& entry = accessors[*accessor];
+      if (index_member(entry, "componentType") != kFloat || !member(entry, "min").is_array() ||
+          !read_numbers(entry, "min", box[0]) || !read_numbers(entry, "max", box[1]))
+        continue;
+      for (unsigned corner = 0; corner < 8; ++corner) {
+        const auto pick = [&](unsigned axis) { return static_cast<float>(box[corner >> axis & 1u][axis]); };
+        const Vec3 p = transform_point(tree.world[node], {pick(0), pick(1), pick(2)});
+        const std::array<double, 3> q = {p.x, p.y, p.z};
+        for (std::size_t k = 0; k < 3; ++k) {
+          bounds.low[k] = std::min(bounds.low[k], q[k]);
+          bounds.high[k] = std::max(bounds.high[k], q[k]);
+        }
+      }
+    }
+  }
+  return bounds;
+}
+
+// A head turns about a point in or near it. A node that stands elsewhere, such as on the floor, would swing
+// the face through the room.
+bool is_near(const NodeTree& tree, std::size_t node, const Bounds& bounds) {
+  if (bounds.empty()) return true;
+  double distance = 0, size = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double pivot = tree.world[node][12 + k];
+    distance = std::max({distance, bounds.low[k] - pivot, pivot - bounds.high[k]});
+    size = std::max(size, bounds.high[k] - bounds.low[k]);
+  }
+  return distance <= size;
+}
+
 bool carries(const NodeTree& tree, std::size_t ancestor, std::size_t node) {
   for (std::optional<std::size_t> at = node; at; at = tree.parents[*at])
     if (*at == ancestor) return true;
@@ -156,6 +207,7 @@ std::optional<std::size_t> find_head_node(const GltfDocument& document, const No
     for (const Json& entry : array_member(skin, "joints"))
       if (const auto joint = to_index(entry); joint && *joint < nodes.size()) is_joint[*joint] = true;
 
+  const Bounds face = bounds_of(document, tree, face_nodes);
   std::optional<std::size_t> best;
   std::size_t best_rank = 0;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
@@ -166,7 +218,7 @@ std::optional<std::size_t> find_head_node(const GltfDocument& document, const No
     const bool turns_all =
         !face_nodes.empty() &&
         std::all_of(face_nodes.begin(), face_nodes.end(), [&](std::size_t f) { return carries(tree, i, f); });
-    if (!is_joint[i] && !turns_all) continue;
+    if (!is_joint[i] && !(turns_all && is_near(tree, i, face))) continue;
     const std::size_t rank = (is_joint[i] ? 0 : 1000) + name.size();
     if (!best || rank < best_rank) best = i, best_rank = rank;
   }

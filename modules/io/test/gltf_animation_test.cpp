@@ -172,6 +172,15 @@ TEST(GltfAnimation, HeadTurnsTheWayTheAnglesSay) {
   EXPECT_LT(length(turned(0, 0, 90, {-1, 0, 0}) - Vec3{0, -1, 0}), 1e-6f);
 }
 
+TEST(GltfAnimation, KeysGoTheShortWayRound) {
+  // Yaw 170 and -170 degrees are 20 degrees apart; their plain quaternions lie on opposite sides.
+  const Motion motion{MotionSpace::arkit, {"jawOpen", "headYaw"}, 60, {0, 170, 0, -170}};
+  const Glb glb = open_glb(*animate_glb(*write_glb(tiny_character()), motion, ""));
+  const auto q = accessor_data(glb, sampler_of(glb, "rotation", 0)["output"].get<std::size_t>(), 4);
+  EXPECT_NEAR(q[0] * q[4] + q[1] * q[5] + q[2] * q[6] + q[3] * q[7], std::cos(10 * std::numbers::pi / 180),
+              1e-6);
+}
+
 TEST(GltfAnimation, HeadJointKeepsItsRestPoseAndAxes) {
   // A neck that points sideways and a head joint with a rest rotation given as a matrix.
   Glb user = open_glb(*write_glb(tiny_character()));
@@ -220,6 +229,18 @@ TEST(GltfAnimation, HeadNodeMustCarryTheFace) {
   ASSERT_TRUE(bytes);
   EXPECT_EQ(bytes.warnings[0], "the character has no head node or joint: head angles are left out");
   EXPECT_EQ(open_glb(*bytes).json["animations"][0]["channels"].size(), 1u);
+}
+
+TEST(GltfAnimation, HeadNodeMustStandNearTheFace) {
+  // The tiny face is 0.1 m large: turning it about a point 0.09 m away is a head, about the floor is not.
+  for (const auto& [height, turns] : {std::pair{-0.09, true}, {-1.6, false}}) {
+    Glb user = open_glb(*write_glb(tiny_character()));
+    user.json["nodes"][0]["translation"] = {0, height, 0};
+    for (const std::size_t child : {1u, 2u}) user.json["nodes"][child]["translation"] = {0, -height, 0};
+    const auto bytes = animate_glb(make_glb(user.json, user.bin), talk({"jawOpen", "headYaw"}, 2), "");
+    ASSERT_TRUE(bytes);
+    EXPECT_EQ(open_glb(*bytes).json["animations"][0]["channels"].size(), turns ? 2u : 1u) << height;
+  }
 }
 
 TEST(GltfAnimation, NodesThatShareAMeshShareTheData) {
@@ -283,10 +304,10 @@ TEST(GltfAnimation, ReadsOtherProgramsCurves) {
   // Hermite: from 0 to 1 with zero tangents is 0.5 in the middle; an out-tangent of 2 a second adds h10 * 0.5
   // * 2.
   animation["samplers"][0]["interpolation"] = "CUBICSPLINE";
-  set_output({0, 0, 2, 0, 1, 0, 0, 1, 0});
+  set_output({0, 0, 2, 4, 1, 0, 0, 1, 0});
   const auto cubic = read_glb_motion(make_glb(user.json, user.bin));
   ASSERT_TRUE(cubic);
-  EXPECT_FLOAT_EQ(cubic->values[2], 0.5f + 0.125f);
+  EXPECT_FLOAT_EQ(cubic->values[2], 0.5f + 0.125f - 0.25f);
   EXPECT_FLOAT_EQ(cubic->values[6], 1.0f);
   // One value too few.
   set_output({0, 0, 2, 0, 1, 0, 0, 1});

@@ -358,6 +358,23 @@ TEST(GltfReader, RefusesOutOfRangeIndicesAndNumbers) {
   EXPECT_FALSE(read_glb(n.glb()));
 }
 
+TEST(GltfReader, RefusesChunksThatEndOutsideTheFile) {
+  const Bytes whole = sample().glb();
+  ASSERT_TRUE(read_glb(whole));
+  const std::size_t json_size = *read_le<std::uint32_t>(whole, 12);
+  const std::size_t bin_header = 20 + json_size;
+  const std::uint32_t bin_size = *read_le<std::uint32_t>(whole, bin_header);
+  for (const std::uint32_t extra : {4u, 8u, 12u, 0x7fffffffu}) {
+    Bytes damaged = whole;
+    const std::uint32_t size = bin_size + extra;
+    std::memcpy(&damaged[bin_header], &size, 4);
+    EXPECT_FALSE(read_glb(damaged)) << extra;
+  }
+  Bytes other = whole;
+  other[4] = std::byte{1};  // the container's version
+  EXPECT_FALSE(read_glb(other));
+}
+
 TEST(GltfReader, NamesTheCompressionItCannotRead) {
   Sample s = sample();
   s.json["meshes"][0]["primitives"][0]["extensions"]["KHR_draco_mesh_compression"] = Json::object();

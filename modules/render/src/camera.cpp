@@ -11,18 +11,18 @@ namespace mien {
 namespace {
 
 struct NamedView {
-  View view;
+  CameraView view;
   std::string_view name;
   double azimuth_deg;    // of the camera, towards the character's left
   double elevation_deg;  // of the camera
 };
-constexpr std::array<NamedView, 5> kViews = {{{View::front, "front", 0, 0},
-                                              {View::portrait, "portrait", 14, 2},
-                                              {View::three_quarter, "three-quarter", 40, 2},
-                                              {View::side, "side", 90, 0},
-                                              {View::mouth, "mouth", 0, 0}}};
+constexpr std::array<NamedView, 5> kViews = {{{CameraView::front, "front", 0, 0},
+                                              {CameraView::portrait, "portrait", 14, 2},
+                                              {CameraView::three_quarter, "three-quarter", 40, 2},
+                                              {CameraView::side, "side", 90, 0},
+                                              {CameraView::mouth, "mouth", 0, 0}}};
 
-const NamedView& entry(View view) {
+const NamedView& entry(CameraView view) {
   return *std::find_if(kViews.begin(), kViews.end(), [view](const NamedView& v) { return v.view == view; });
 }
 
@@ -35,7 +35,7 @@ constexpr std::size_t kChinLandmark = 8, kNoseBridgeLandmark = 27, kFirstMouthLa
 
 // Looks at the points from `view`, as near as their perspective allows. With `sits_on_border` they end at the
 // lower border of the picture even where its width decides the distance, else they stand in the middle.
-Camera camera_towards(std::span<const Vec3> points, View view, double aspect, double air,
+Camera camera_towards(std::span<const Vec3> points, CameraView view, double aspect, double air,
                       bool sits_on_border) {
   const NamedView& v = entry(view);
   const double azimuth = v.azimuth_deg * std::numbers::pi / 180,
@@ -144,7 +144,7 @@ std::optional<Neck> find_neck(const Character& character, const Bounds& skin) {
 
 }  // namespace
 
-Result<View> parse_view(std::string_view name) {
+Result<CameraView> parse_view(std::string_view name) {
   std::string names;
   for (const NamedView& v : kViews) {
     if (v.name == name) return v.view;
@@ -153,7 +153,7 @@ Result<View> parse_view(std::string_view name) {
   return Error{Errc::usage, "view '" + std::string(name) + "'", "is not known", "Choose one of: " + names};
 }
 
-std::string_view view_name(View view) { return entry(view).name; }
+std::string_view view_name(CameraView view) { return entry(view).name; }
 
 std::optional<Bounds> bounds_of(std::span<const Vec3> points) {
   std::optional<Bounds> box;
@@ -166,15 +166,15 @@ std::optional<Bounds> bounds_of(std::span<const Vec3> points) {
   return box;
 }
 
-Camera frame_bounds(const Bounds& bounds, View view, double aspect) {
+Camera frame_bounds(const Bounds& bounds, CameraView view, double aspect) {
   return camera_towards(corners_of(bounds), view, aspect, kAir, false);
 }
 
-Camera frame_character(const Character& character, View view, double aspect) {
+Camera frame_character(const Character& character, CameraView view, double aspect) {
   if (character.parts.empty()) return {};
   const auto skin = bounds_of(character.parts[0].mesh.positions);
   if (!skin) return {};
-  if (view == View::mouth)
+  if (view == CameraView::mouth)
     return camera_towards(mouth_points(character, *skin), view, aspect, kMouthAir, false);
   std::vector<Vec3> all;
   for (const CharacterPart& part : character.parts)

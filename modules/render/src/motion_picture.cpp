@@ -103,7 +103,7 @@ Image MotionPicture::at(double seconds, int num_threads) const {
   int x = 0;
   for (const Performer& p : performers_) {
     std::vector<float> values = values_at(*p.motion, seconds);
-    if (options_.view == View::mouth) hold_head(p.motion->channels, values);
+    if (options_.view == CameraView::mouth) hold_head(p.motion->channels, values);
     p.poser.pose(values, scratch.posed);
     const Scene scene = character_scene(*character_, scratch.posed);
     blit(picture, render(scene, camera_, shading, &scratch.render).value(), x, 0);

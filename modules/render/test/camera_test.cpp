@@ -10,7 +10,7 @@
 namespace mien {
 namespace {
 
-constexpr View kAllViews[] = {View::front, View::portrait, View::three_quarter, View::side, View::mouth};
+constexpr CameraView kAllViews[] = {CameraView::front, CameraView::portrait, CameraView::three_quarter, CameraView::side, CameraView::mouth};
 
 Character ball_character() {
   Character character;
@@ -42,7 +42,7 @@ int margin(const Image& image) {
 }
 
 TEST(Camera, ViewsHaveNames) {
-  for (const View view : kAllViews) EXPECT_EQ(*parse_view(view_name(view)), view);
+  for (const CameraView view : kAllViews) EXPECT_EQ(*parse_view(view_name(view)), view);
   const auto wrong = parse_view("fromt");
   ASSERT_FALSE(wrong.has_value());
   EXPECT_EQ(wrong.error().code, Errc::usage);
@@ -51,7 +51,7 @@ TEST(Camera, ViewsHaveNames) {
 
 TEST(Camera, FramesTheWholeHeadTightlyInEveryViewAndShape) {
   const Character character = ball_character();
-  for (const View view : {View::front, View::portrait, View::three_quarter, View::side})
+  for (const CameraView view : {CameraView::front, CameraView::portrait, CameraView::three_quarter, CameraView::side})
     for (const auto& [w, h] : {std::pair(200, 200), std::pair(300, 150), std::pair(120, 240)}) {
       const Image image =
           picture(character, frame_character(character, view, static_cast<double>(w) / h), w, h);
@@ -62,10 +62,10 @@ TEST(Camera, FramesTheWholeHeadTightlyInEveryViewAndShape) {
 
 TEST(Camera, SideViewStandsAtTheCharactersLeft) {
   const Bounds box{{-0.1f, -0.1f, -0.1f}, {0.1f, 0.1f, 0.1f}};
-  const Camera side = frame_bounds(box, View::side, 1);
+  const Camera side = frame_bounds(box, CameraView::side, 1);
   EXPECT_GT(side.position.x, 0.3f);
   EXPECT_NEAR(side.position.z, 0, 1e-5);
-  const Camera front = frame_bounds(box, View::front, 1);
+  const Camera front = frame_bounds(box, CameraView::front, 1);
   EXPECT_GT(front.position.z, 0.3f);
   EXPECT_NEAR(front.position.x, 0, 1e-5);
 }
@@ -81,9 +81,9 @@ TEST(Camera, CutsTheNeckBelowTheChin) {
   };
   landmarks[8] = add({0.3f, -2.02f, 0.2f}), landmarks[27] = add({0.3f, -1.95f, 0.2f});
   character.regions["landmarks68"] = landmarks;
-  const Camera cut = frame_character(character, View::front, 1);
+  const Camera cut = frame_character(character, CameraView::front, 1);
   character.regions.clear();
-  const Camera whole = frame_character(character, View::front, 1);
+  const Camera whole = frame_character(character, CameraView::front, 1);
   EXPECT_GT(cut.target.y, whole.target.y + 0.005f);
   EXPECT_LT(cut.position.z, whole.position.z);
 }
@@ -98,14 +98,14 @@ TEST(Camera, CloseUpFindsTheMouthByRegionOrShape) {
     return std::abs(camera.target.x - box.centre().x) < 1e-3f &&
            std::abs(camera.target.y - box.centre().y) < 1e-3f;
   };
-  EXPECT_FALSE(looks_at_it(frame_character(character, View::mouth, 1)));
+  EXPECT_FALSE(looks_at_it(frame_character(character, CameraView::mouth, 1)));
   skin.shapes.push_back({"mouthPucker", front, {{0, 0, 1}, {0, 0, 1}, {0, 0, 1}}, {}});
-  EXPECT_TRUE(looks_at_it(frame_character(character, View::mouth, 1)));
+  EXPECT_TRUE(looks_at_it(frame_character(character, CameraView::mouth, 1)));
   skin.shapes.clear();
   character.regions["lips"] = front;
-  EXPECT_TRUE(looks_at_it(frame_character(character, View::mouth, 1)));
+  EXPECT_TRUE(looks_at_it(frame_character(character, CameraView::mouth, 1)));
   character.regions["lips"].push_back(4000000);  // a vertex that is not there
-  EXPECT_TRUE(looks_at_it(frame_character(character, View::mouth, 1)));
+  EXPECT_TRUE(looks_at_it(frame_character(character, CameraView::mouth, 1)));
 }
 
 TEST(Camera, NothingToFrameGivesAUsableCamera) {
@@ -115,7 +115,7 @@ TEST(Camera, NothingToFrameGivesAUsableCamera) {
   Character point;
   point.parts.push_back({"skin", {{{1, 2, 3}}, {}, {}, {}}, {}});
   for (const Character& character : {Character(), broken, point})
-    for (const View view : kAllViews) {
+    for (const CameraView view : kAllViews) {
       const Camera camera = frame_character(character, view, 1);
       EXPECT_TRUE(std::isfinite(camera.position.x) && std::isfinite(camera.position.z));
       EXPECT_GT(length(camera.target - camera.position), 0);

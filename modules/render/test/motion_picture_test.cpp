@@ -75,13 +75,13 @@ TEST(MotionPicture, CloseUpOfTheMouthStaysWithTheHead) {
   const Character character = ball_character();
   const Motion still{MotionSpace::arkit, {"jawOpen", "headYaw"}, 10, {1, 0}};
   const Motion turned{MotionSpace::arkit, {"jawOpen", "headYaw"}, 10, {1, 30}};
-  for (const View view : {View::mouth, View::front}) {
+  for (const CameraView view : {CameraView::mouth, CameraView::front}) {
     MotionPictureOptions options = small(64, 64);
     options.view = view;
     const auto shown = [&](const Motion& motion) {
       return MotionPicture::create(character, {&motion}, options).value().at(0);
     };
-    EXPECT_EQ(shown(still) == shown(turned), view == View::mouth);
+    EXPECT_EQ(shown(still) == shown(turned), view == CameraView::mouth);
   }
 }
 

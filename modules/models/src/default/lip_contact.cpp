@@ -14,8 +14,12 @@ constexpr std::array<std::size_t, 15> kSpeechNumbers = {6,  7,  10, 11, 12, 13, 
 // Of these, what no expression holds: mouthClose, mouthPucker, tongueOut.
 constexpr std::array<std::size_t, 3> kSpeechOnly = {16, 18, 24};
 
-// The probability at which a closure begins to be enforced, and the width of the transition. Low, because voices that
-// the encoder was not trained on get low probabilities; chosen by contact F1 on the synthetic sets ked and slt.
+// Numbers that part the lips without moving the jaw: mouthLowerDown, mouthUpperUp, mouthFunnel.
+constexpr std::array<std::size_t, 5> kLipOpeners = {10, 11, 12, 13, 17};
+
+// The probability at which a closure begins to be enforced, and the width of the transition. Low, because
+// voices that the encoder was not trained on get low probabilities; chosen by contact F1 on the synthetic
+// sets ked and slt.
 constexpr float kClosureStart = 0.08f, kClosureWidth = 0.15f;
 constexpr float kPressed = 0.02f;  // enforced lips are pressed a little, as true closures are
 
@@ -34,7 +38,9 @@ void correct_lips(const LipEvidence& e, std::span<float> face) {
   }
   const float seal = smooth_step((e.closed_probability - kClosureStart) / kClosureWidth) * e.remaining;
   const float jaw_open = std::max(0.0f, face[kFaceJawOpen]);
-  if (seal > 0) face[kFaceMouthClose] = std::max(face[kFaceMouthClose], seal * (jaw_open + kPressed));
+  if (seal <= 0) return;
+  face[kFaceMouthClose] = std::max(face[kFaceMouthClose], seal * (jaw_open + kPressed));
+  for (const std::size_t i : kLipOpeners) face[i] *= 1 - seal;
 }
 
 }  // namespace mien::default_model

@@ -19,7 +19,7 @@ struct Camera {
 };
 
 /// Where the camera stands; the character looks along +z and its left is +x.
-enum class View {
+enum class CameraView {
   front,
   portrait,       ///< turned a little, the view for videos
   three_quarter,  ///< 40 degrees from the character's left
@@ -28,8 +28,8 @@ enum class View {
 };
 
 /// "front", "portrait", "three-quarter", "side", "mouth". Errors (Errc::usage): another name.
-Result<View> parse_view(std::string_view name);
-std::string_view view_name(View view);
+Result<CameraView> parse_view(std::string_view name);
+std::string_view view_name(CameraView view);
 
 /// The smallest box around points, ignoring those that are not finite.
 struct Bounds {
@@ -41,14 +41,14 @@ struct Bounds {
 /// Nothing when no point is finite.
 std::optional<Bounds> bounds_of(std::span<const Vec3> points);
 
-/// A camera that shows the box in full from `view` (for View::mouth: from the front) in a picture of
+/// A camera that shows the box in full from `view` (for CameraView::mouth: from the front) in a picture of
 /// `aspect` = width / height, with a little air around it.
-Camera frame_bounds(const Bounds& bounds, View view, double aspect);
+Camera frame_bounds(const Bounds& bounds, CameraView view, double aspect);
 
 /// A camera for a character at rest. All of it is in the picture, but the neck is cut some way below the
 /// chin, so that the mesh's open end stays outside; the chin is known by "landmarks68", else by the shape
-/// jawOpen. View::mouth frames the region "lips", else the mouth landmarks, else what mouthPucker moves, else
+/// jawOpen. CameraView::mouth frames the region "lips", else the mouth landmarks, else what mouthPucker moves, else
 /// the lower middle of the face. A character without a finite vertex gets a default camera.
-Camera frame_character(const Character& character, View view, double aspect);
+Camera frame_character(const Character& character, CameraView view, double aspect);
 
 }  // namespace mien

@@ -19,7 +19,7 @@ namespace mien {
 
 struct MotionPictureOptions {
   RenderOptions shading;            ///< of one face: its size in pixels, supersampling ...
-  View view = View::portrait;       ///< the close-up of the mouth stays with the head: its turns are left out
+  CameraView view = CameraView::portrait;       ///< the close-up of the mouth stays with the head: its turns are left out
   std::vector<std::string> labels;  ///< one for each motion, or none
   int strip_height = 0;             ///< pixels of a strip of curves under each face; 0: none
   CurveStripOptions strip;          ///< its channels and length; where it stands follows the time

@@ -3,10 +3,10 @@
 #include <memory>
 
 #include "build.h"
-#include "command_run.h"
 #include "commands.h"
 #include "mien/base/number_text.h"
 #include "mien/base/parallel.h"
+#include "mien/console/console_exit.h"
 
 namespace mien {
 namespace {
@@ -20,9 +20,10 @@ struct Arguments {
 int build(Arguments& a) {
   a.options.plan.split = *parse_split(a.split);
   a.options.store = a.store == "items" ? Store::items : a.store == "audio" ? Store::audio : Store::curves;
-  InterruptibleProgress progress(a.quiet);
-  const auto done = build_corpus(a.output, a.options, progress.get());
-  if (!done.has_value()) return report(done.error());
+  ConsoleProgress progress(a.quiet ? ConsoleMode::quiet : ConsoleMode::text);
+  cancel_on_interrupt(progress);
+  const auto done = build_corpus(a.output, a.options, progress);
+  if (!done.has_value()) return report_error(done.error(), progress);
   std::fprintf(stderr, "wrote %s: %lld clips, %s s, %lld skipped, seed %llu\n", a.output.c_str(),
                static_cast<long long>(done->clips), fixed(done->seconds, 1).c_str(),
                static_cast<long long>(done->skipped), static_cast<unsigned long long>(a.options.plan.seed));

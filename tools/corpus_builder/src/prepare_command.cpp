@@ -3,10 +3,10 @@
 #include <cstdio>
 #include <memory>
 
-#include "command_run.h"
 #include "commands.h"
 #include "mien/base/number_text.h"
 #include "mien/base/parallel.h"
+#include "mien/console/console_exit.h"
 #include "prepare.h"
 #include "set_check.h"
 
@@ -21,9 +21,10 @@ struct Arguments {
 
 int prepare(const Arguments& a) {
   const auto started = std::chrono::steady_clock::now();
-  InterruptibleProgress progress(a.quiet);
-  const auto done = prepare_set(a.output, a.options, progress.get());
-  if (!done.has_value()) return report(done.error());
+  ConsoleProgress progress(a.quiet ? ConsoleMode::quiet : ConsoleMode::text);
+  cancel_on_interrupt(progress);
+  const auto done = prepare_set(a.output, a.options, progress);
+  if (!done.has_value()) return report_error(done.error(), progress);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
   std::fprintf(stderr,
                "wrote %s: %lld items, %s h distinct, %lld entries, %s h, %lld skipped, seed %llu, in %s s\n",
@@ -36,7 +37,10 @@ int prepare(const Arguments& a) {
 
 int check(const std::string& path) {
   const auto statistics = check_set(path);
-  if (!statistics.has_value()) return report(statistics.error());
+  if (!statistics.has_value()) {
+    ConsoleProgress progress(ConsoleMode::text);
+    return report_error(statistics.error(), progress);
+  }
   std::fputs(to_text(*statistics).c_str(), stdout);
   return 0;
 }

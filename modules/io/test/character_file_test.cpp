@@ -107,7 +107,8 @@ Metadata metadata(const char* units) { return {{"units", units}, {"name", "test 
 
 std::filesystem::path write_face(const Metadata& meta, const std::vector<float>& jaw,
                                  std::int32_t corner = 2) {
-  const auto path = std::filesystem::path(testing::TempDir()) / "character_file_test.safetensors";
+  const auto path = std::filesystem::path(testing::TempDir()) /
+                    ("character_file_test_" + std::to_string(::getpid()) + ".safetensors");
   auto writer = SafetensorsWriter::create(path,
                                           {{"neutral", Dtype::f32, {3, 3}},
                                            {"triangles", Dtype::i32, {1, 3}},
@@ -156,7 +157,8 @@ TEST(CharacterFile, RefusesWrongUnitsIndicesAndNumbers) {
 }
 
 TEST(CharacterFile, ChoosesByExtension) {
-  const auto path = std::filesystem::path(testing::TempDir()) / "character_file_test.GLB";
+  const auto path = std::filesystem::path(testing::TempDir()) /
+                    ("character_file_test_" + std::to_string(::getpid()) + ".GLB");
   ASSERT_TRUE(write_file(path, *write_glb(tiny_character())));
   const auto read = load_character(path);
   ASSERT_TRUE(read) << read.error().message();

@@ -100,6 +100,7 @@ int run(const std::vector<std::string>& words) {
   ConsoleProgress progress(has("--json")    ? ConsoleMode::json
                            : has("--quiet") ? ConsoleMode::quiet
                                             : ConsoleMode::text);
+  cancel_on_interrupt(progress);
   Chosen chosen;
   CLI::App program("Mien turns recorded speech into 3D facial animation.", "mien");
   program.set_version_flag("--version", "mien " MIEN_VERSION);
@@ -128,7 +129,6 @@ int run(const std::vector<std::string>& words) {
   } catch (const CLI::ParseError& e) {
     return report_error(usage_error(program, e, words), progress);
   }
-  cancel_on_interrupt(progress);
   const Status done = chosen.work(progress);
   return done ? 0 : report_error(done.error(), progress);
 }

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "program.h"
+#include "running_program.h"
 
 namespace mien {
 namespace {
@@ -175,15 +176,24 @@ TEST_F(BadInput, FilesThatCannotBeInspected) {
   expect({"inspect", "broken.glb"}, 3, "broken.glb");
 }
 
+// Interrupted before the work and in the middle of it: always after a sign of life, never after a fixed time.
 TEST_F(BadInput, AnInterruptEndsCleanly) {
   write_wav("long.wav", syllables(600));
   const auto before = files();
-  const auto run =
-      mien({"animate", "long.wav", "--model", "small.safetensors", "--steps", "1000", "-o", "out.csv"},
-           "timeout --preserve-status -s INT 0.5");
-  EXPECT_EQ(run.exit_code, 130) << run.err;
-  EXPECT_THAT(run.err, HasSubstr("interrupted"));
-  EXPECT_EQ(files(), before);
+  for (const char* sign : {R"("type":"start")", R"("type":"progress")"}) {
+    for (const int signal : {SIGINT, SIGTERM}) {
+      SCOPED_TRACE(sign);
+      RunningProgram run(MIEN_PROGRAM,
+                         {"animate", "long.wav", "--model", "small.safetensors", "--steps", "1000", "--json",
+                          "-o", "out.csv"},
+                         in_folder(""));
+      ASSERT_TRUE(run.says(sign)) << run.err();
+      run.send(signal);
+      EXPECT_EQ(run.wait(), 130) << run.err();
+      EXPECT_THAT(run.err(), HasSubstr(R"("why":"interrupted")"));
+      EXPECT_EQ(files(), before);
+    }
+  }
 }
 
 }  // namespace

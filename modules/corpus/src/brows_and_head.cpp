@@ -37,11 +37,13 @@ BrowTrack draw_brows(const Speaker& speaker, const Utterance& utterance, std::in
     const double rise = std::clamp(rng.normal(0.180, 0.040), 0.100, 0.300);
     const double fall = std::clamp(rng.normal(0.350, 0.080), 0.200, 0.600);
     add(brows.raise, {centre - 0.040, centre + 0.040, rise, fall}, amplitude);
+    brows.raises.push_back({centre, amplitude});
   }
   if (utterance.is_question && rng.chance(kQuestionProbability)) {
     const double amplitude = kQuestionGain * draw_amplitude();
     const double end = end_of_speech(utterance);  // the raise is held over the last 0.3 s of speech
     add(brows.raise, {end - 0.300, end, 0.250, 0.400}, amplitude);
+    brows.raises.push_back({end - 0.150, amplitude});
   }
   return brows;
 }

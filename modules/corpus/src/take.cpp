@@ -196,6 +196,9 @@ Take draw_take(const Utterance& utterance, const Speaker& speaker, Emotion emoti
   Take take;
   take.latents = {static_cast<float>(z0), static_cast<float>(z1), static_cast<float>(z2)};
   take.without_blinks = assemble(parts, speaker);
+  take.raises = std::move(parts.brows.raises);
+  std::fill(parts.brows.raise.begin(), parts.brows.raise.end(), 0.0f);
+  take.without_events = assemble(parts, speaker);
   take.blinks = draw_blinks({.blinks_per_minute = speaker.blinks_per_minute *
                                                   scaled_gain(emotion_gains(emotion).blink_rate, intensity),
                              .seconds = utterance.seconds,
@@ -217,7 +220,7 @@ Motion plain_performance(const Utterance& utterance, const Speaker& speaker, Emo
   parts.mouth = articulate(utterance.phones, parts.style, num_frames);
   parts.expression = express(speaker, emotion, intensity, still);
   parts.gaze = {still, still, {}};
-  parts.brows = {still, still};
+  parts.brows = {still, still, {}};
   parts.head = {still, still, still};
   return assemble(parts, speaker);
 }

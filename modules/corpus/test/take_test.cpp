@@ -50,6 +50,34 @@ TEST(Take, WithBlinksIsTheOtherWithBlinksApplied) {
   }
 }
 
+TEST(Take, RaisesAreWhatWithoutEventsLacks) {
+  const Utterance utterance = synthetic_utterance(30, 4);
+  const Take take = draw_take(utterance, speaker("S02"), Emotion::neutral, 1, 6);
+  ASSERT_FALSE(take.raises.empty());
+  std::vector<bool> near_a_raise(static_cast<std::size_t>(take.motion.num_frames()), false);
+  for (const BrowRaise& raise : take.raises)
+    for (std::size_t n = 0; n < near_a_raise.size(); ++n)
+      if (std::abs(static_cast<double>(n) / 60 - raise.centre_s) < 0.80) near_a_raise[n] = true;
+  const std::size_t brow = arkit_index("browInnerUp"), outer = arkit_index("browOuterUpLeft"),
+                    outer_right = arkit_index("browOuterUpRight");
+  bool any_frame_without = false;
+  for (std::int64_t n = 0; n < take.motion.num_frames(); ++n) {
+    const auto with = take.without_blinks.frame(n), without = take.without_events.frame(n);
+    for (std::size_t c = 0; c < with.size(); ++c) {
+      const bool may_differ =
+          (c == brow || c == outer || c == outer_right) && near_a_raise[static_cast<std::size_t>(n)];
+      if (may_differ) continue;
+      ASSERT_EQ(with[c], without[c]) << n << " " << take.motion.channels[c];
+    }
+    any_frame_without = any_frame_without || !near_a_raise[static_cast<std::size_t>(n)];
+  }
+  EXPECT_TRUE(any_frame_without);
+  for (const BrowRaise& raise : take.raises) {
+    const auto n = std::min(static_cast<std::int64_t>(raise.centre_s * 60), take.motion.num_frames() - 1);
+    EXPECT_GT(take.without_blinks.frame(n)[brow], take.without_events.frame(n)[brow] + 0.5 * raise.amplitude);
+  }
+}
+
 TEST(Take, SameSeedSameBytesOtherSeedOtherTake) {
   const Utterance utterance = synthetic_utterance(8, 3);
   const Take a = draw_take(utterance, speaker("S03"), Emotion::happy, 1, 11);

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "condition_batch.h"
+#include "mel_augmentation.h"
 #include "mien/audio/running_level.h"
 #include "mien/base/hash.h"
 
@@ -11,39 +12,6 @@ namespace {
 namespace dm = default_model;
 constexpr std::int64_t kSkippedFrames =
     12;  // at the start of a crop the past is missing; do not learn from it
-
-// Input augmentation of the corpus document, section 10, last rows: a warp of the frequency axis (another
-// vocal tract), an offset per band, two masked band ranges, one masked stretch of time, and a common level
-// offset.
-void augment(std::vector<float>& mel, std::int64_t num_mel, double level_sd_db, Rng& rng) {
-  constexpr auto kBands = static_cast<std::size_t>(dm::kMelBands);
-  const double warp = rng.chance(0.6) ? rng.uniform(0.88, 1.14) : 1.0;
-  const double level = rng.normal(0, level_sd_db) * std::log(10.0) / 10;
-  std::array<float, kBands> offset;
-  for (float& o : offset) o = static_cast<float>(rng.normal(0, 0.15) + level);
-  std::array<bool, kBands> masked{};
-  for (int mask = 0; mask < 2; ++mask) {
-    const auto width = rng.below(8), first = rng.below(kBands - width + 1);
-    for (std::size_t b = first; b < first + width; ++b) masked[b] = true;
-  }
-  const auto time_width = static_cast<std::int64_t>(rng.below(11));
-  const auto time_first =
-      static_cast<std::int64_t>(rng.below(static_cast<std::uint64_t>(num_mel - time_width)));
-  std::array<float, kBands> frame;
-  for (std::int64_t t = 0; t < num_mel; ++t) {
-    float* row = mel.data() + t * dm::kMelBands;
-    std::copy(row, row + kBands, frame.begin());
-    const bool quiet = t >= time_first && t < time_first + time_width;
-    for (std::size_t b = 0; b < kBands; ++b) {
-      const double position = std::min(static_cast<double>(b) * warp, static_cast<double>(kBands - 1));
-      const auto left = static_cast<std::size_t>(position);
-      const auto right = std::min(left + 1, kBands - 1);
-      const auto w = static_cast<float>(position - static_cast<double>(left));
-      const float value = frame[left] + w * (frame[right] - frame[left]) + offset[b];
-      row[b] = quiet || masked[b] ? -8.0f : value;  // a mask looks like quiet, which the network knows
-    }
-  }
-}
 
 }  // namespace
 
@@ -132,7 +100,7 @@ MeanStage::Batch MeanStage::draw(std::uint64_t seed, bool valid, bool with_augme
         set_.relative_mel(entry.mel_start + at,
                           std::span(crop).subspan(static_cast<std::size_t>(t * dm::kMelBands), 64));
     }
-    if (with_augmentation) augment(crop, num_mel, options_.level_offset_sd_db, rng);
+    if (with_augmentation) augment_mel(crop, options_.level_offset_sd_db, rng);
     for (const float v : crop) mel.push_back(normalise_mel(v, 0.0f));
     for (std::int64_t n = 0; n < num_frames; ++n) {
       const std::int64_t at = entry.frame_start + first + n;

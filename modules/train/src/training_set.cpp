@@ -34,6 +34,7 @@ Status TrainingSet::map() {
   for (const auto& [name, shape] :
        std::vector<std::pair<const char*, Sizes>>{{"level", {num_mel}},
                                                   {"blink_onset", {num_takes_, num_frames_}},
+                                                  {"brow_raise", {num_takes_, num_frames_}},
                                                   {"viseme", {num_frames_}},
                                                   {"closure", {num_frames_}},
                                                   {"accent", {num_frames_}},
@@ -50,6 +51,7 @@ Status TrainingSet::map() {
   MIEN_TRY(level_, file_.as<float>("level"));
   MIEN_TRY(latents_, file_.as<float>("latent"));
   MIEN_TRY(blink_onsets_, file_.as<std::uint8_t>("blink_onset"));
+  MIEN_TRY(brow_raises_, file_.as<std::uint8_t>("brow_raise"));
   MIEN_TRY(visemes_, file_.as<std::uint8_t>("viseme"));
   MIEN_TRY(closures_, file_.as<std::uint8_t>("closure"));
   MIEN_TRY(accents_, file_.as<std::uint8_t>("accent"));
@@ -99,6 +101,10 @@ void TrainingSet::face(std::int64_t take, std::int64_t n, std::span<float> out) 
 
 bool TrainingSet::blink_onset(std::int64_t take, std::int64_t n) const {
   return blink_onsets_[static_cast<std::size_t>(take * num_frames_ + n)] != 0;
+}
+
+float TrainingSet::brow_raise(std::int64_t take, std::int64_t n) const {
+  return static_cast<float>(brow_raises_[static_cast<std::size_t>(take * num_frames_ + n)]) / 255.0f;
 }
 
 }  // namespace mien::train

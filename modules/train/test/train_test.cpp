@@ -23,6 +23,7 @@ fs::path write_small_set(const fs::path& folder) {
                                                  {"level", Dtype::f32, {t}},
                                                  {"latent", Dtype::f32, {kTakes, kEntries, 3}},
                                                  {"blink_onset", Dtype::u8, {kTakes, n}},
+                                                 {"brow_raise", Dtype::u8, {kTakes, n}},
                                                  {"viseme", Dtype::u8, {n}},
                                                  {"closure", Dtype::u8, {n}},
                                                  {"accent", Dtype::u8, {n}},
@@ -34,7 +35,7 @@ fs::path write_small_set(const fs::path& folder) {
                                                  {"split", Dtype::u8, {kEntries}}});
   std::vector<float> mel, curves, level(t, -3.0f), latent(kTakes * kEntries * 3, 0.1f),
       intensity(kEntries, 1.0f);
-  std::vector<std::uint8_t> blink, viseme, flags(n, 0), style(kTakes * kEntries, 2), zero(kEntries, 0);
+  std::vector<std::uint8_t> blink, raise, viseme, flags(n, 0), style(kTakes * kEntries, 2), zero(kEntries, 0);
   std::vector<std::int64_t> mel_start, frame_start;
   const auto loud = [](double seconds) { return 0.5 + 0.5 * std::sin(9 * seconds); };
   for (std::int64_t i = 0; i < t; ++i)
@@ -47,6 +48,7 @@ fs::path write_small_set(const fs::path& folder) {
       frame[52] = static_cast<float>(3 * std::sin(static_cast<double>(i) / 40));
       curves.insert(curves.end(), frame.begin(), frame.end());
       blink.push_back(i % 120 == 60);
+      raise.push_back(i % 90 == 30 ? 64 : 0);
     }
   for (std::int64_t i = 0; i < n; ++i)
     viseme.push_back(loud(static_cast<double>(i % kFrames) / 60) > 0.5 ? 14 : 0);
@@ -57,6 +59,7 @@ fs::path write_small_set(const fs::path& folder) {
   EXPECT_TRUE(writer->write("level", level));
   EXPECT_TRUE(writer->write("latent", latent));
   EXPECT_TRUE(writer->write("blink_onset", blink));
+  EXPECT_TRUE(writer->write("brow_raise", raise));
   EXPECT_TRUE(writer->write("viseme", viseme));
   EXPECT_TRUE(writer->write("closure", flags));
   EXPECT_TRUE(writer->write("accent", flags));

@@ -50,6 +50,19 @@ void paint_phones(PreparedEntry& entry, const Utterance& spoken) {
   }
 }
 
+// Amplitude in 1/255 at the frame of each raise's centre; the larger of two in one frame.
+std::vector<std::uint8_t> raise_track(std::span<const BrowRaise> raises, std::size_t frames) {
+  std::vector<std::uint8_t> track(frames, 0);
+  for (const BrowRaise& raise : raises) {
+    const double frame = std::floor(raise.centre_s * kFps);
+    if (frame < 0 || frame >= static_cast<double>(frames)) continue;
+    auto& slot = track[static_cast<std::size_t>(frame)];
+    slot =
+        std::max(slot, static_cast<std::uint8_t>(std::clamp(std::round(raise.amplitude * 255), 1.0, 255.0)));
+  }
+  return track;
+}
+
 }  // namespace
 
 PreparedEntry make_entry(std::span<const float> samples, const Utterance& spoken, const ItemPlan& item,
@@ -73,11 +86,12 @@ PreparedEntry make_entry(std::span<const float> samples, const Utterance& spoken
     out.style = static_cast<std::uint8_t>(styles.below(kNumTrainingStyles));
     const auto take = draw_take(spoken, fixed_speakers()[out.style], item.emotion, item.intensity(),
                                 take_seed(seed, name, static_cast<std::uint64_t>(k)));
-    contract(take.without_blinks.num_frames() == static_cast<std::int64_t>(frames),
+    contract(take.without_events.num_frames() == static_cast<std::int64_t>(frames),
              "make_entry: frames of the take");
     out.latents = take.latents;
-    append_halves(out.curves, take.without_blinks.values);
+    append_halves(out.curves, take.without_events.values);
     out.blink = blink_onsets(take.blinks, static_cast<std::int64_t>(frames), kFps);
+    out.raise = raise_track(take.raises, frames);
     entry.takes.push_back(std::move(out));
   }
   return entry;

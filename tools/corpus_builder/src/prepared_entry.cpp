@@ -57,6 +57,7 @@ void append_entry(Bytes& bytes, const PreparedEntry& e) {
     for (const float z : take.latents) append_le(bytes, z);
     append_vector(bytes, take.curves);
     append_vector(bytes, take.blink);
+    append_vector(bytes, take.raise);
   }
   append_le(bytes, e.emotion);
   append_le(bytes, e.intensity);
@@ -81,6 +82,7 @@ Result<std::vector<PreparedEntry>> parse_entries(std::span<const std::byte> byte
       for (float& z : take.latents) z = in.value<float>();
       in.vector(take.curves);
       in.vector(take.blink);
+      in.vector(take.raise);
       e.takes.push_back(std::move(take));
     }
     e.emotion = in.value<std::uint8_t>();

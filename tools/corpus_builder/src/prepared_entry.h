@@ -12,8 +12,9 @@ namespace mien {
 struct PreparedTake {
   std::uint8_t style = 0;             ///< index of the speaker, 0 = S00
   std::array<float, 3> latents{};     ///< Take::latents
-  std::vector<std::uint16_t> curves;  ///< [N, 55] halves, without blinks
+  std::vector<std::uint16_t> curves;  ///< [N, 55] halves, without blinks and raises of the brows
   std::vector<std::uint8_t> blink;    ///< [N] 1 where a blink starts to close
+  std::vector<std::uint8_t> raise;    ///< [N] amplitude of a brow raise at the frame of its centre, in 1/255
 };
 
 /// One entry of a prepared training set: T mel frames, N motion frames, K takes.

@@ -19,7 +19,7 @@ constexpr double kSealed = 0.04;
 struct Tensors {
   std::span<const std::uint16_t> mel, curves;
   std::span<const float> level, intensity;
-  std::span<const std::uint8_t> blink, viseme, closure, accent, style, emotion, split;
+  std::span<const std::uint8_t> blink, raise, viseme, closure, accent, style, emotion, split;
   std::span<const std::int64_t> mel_start, frame_start;
   std::int64_t entries = 0, takes = 0, mels = 0, frames = 0;
 };
@@ -48,6 +48,7 @@ Result<Tensors> open_tensors(const SafetensorsFile& file) {
            {"level", {t.mels}},
            {"curves", {t.takes, t.frames, kChannels}},
            {"blink_onset", {t.takes, t.frames}},
+           {"brow_raise", {t.takes, t.frames}},
            {"viseme", {t.frames}},
            {"closure", {t.frames}},
            {"accent", {t.frames}},
@@ -66,6 +67,7 @@ Result<Tensors> open_tensors(const SafetensorsFile& file) {
   MIEN_TRY(t.level, file.as<float>("level"));
   MIEN_TRY(t.intensity, file.as<float>("intensity"));
   MIEN_TRY(t.blink, file.as<std::uint8_t>("blink_onset"));
+  MIEN_TRY(t.raise, file.as<std::uint8_t>("brow_raise"));
   MIEN_TRY(t.viseme, file.as<std::uint8_t>("viseme"));
   MIEN_TRY(t.closure, file.as<std::uint8_t>("closure"));
   MIEN_TRY(t.accent, file.as<std::uint8_t>("accent"));
@@ -165,7 +167,7 @@ Result<SetStatistics> check_set(const std::filesystem::path& path) {
   s.hours = static_cast<double>(t.frames) / kFps / 3600;
   MIEN_TRY(const Done in_range, measure_ranges(t, s));
   (void)in_range;
-  double sealed = 0, accents = 0, blinks = 0;
+  double sealed = 0, accents = 0, blinks = 0, raises = 0;
   s.shortest_s = 1e9;
   for (std::int64_t e = 0; e < t.entries; ++e) {
     const auto i = static_cast<std::size_t>(e);
@@ -183,6 +185,7 @@ Result<SetStatistics> check_set(const std::filesystem::path& path) {
     accents += t.accent[n];
   }
   for (const auto b : t.blink) blinks += b;
+  for (const auto r : t.raise) raises += r > 0;
   const double frames = static_cast<double>(t.frames);
   s.pause_share = s.frames_by_viseme[0] / frames;
   for (std::size_t v = 0; v < kNumVisemes; ++v) {
@@ -190,6 +193,7 @@ Result<SetStatistics> check_set(const std::filesystem::path& path) {
     s.frames_by_viseme[v] /= frames;
   }
   s.blinks_per_minute = blinks / static_cast<double>(t.takes) / (frames / kFps / 60);
+  s.raises_per_minute = raises / static_cast<double>(t.takes) / (frames / kFps / 60);
   const double speech_s = frames / kFps * (1 - s.pause_share);
   s.accents_per_second = speech_s > 0 ? accents / speech_s : 0;
   if (s.closures > 0) {
@@ -211,7 +215,8 @@ std::string to_text(const SetStatistics& s) {
                       " to " + fixed(s.level_max, 2));
   line("coefficients", fixed(s.curve_min, 3) + " to " + fixed(s.curve_max, 3) + ", head within " +
                            fixed(s.head_max_deg, 1) + " degrees");
-  line("blinks", fixed(s.blinks_per_minute, 1) + " a minute; accents: " + fixed(s.accents_per_second, 2) +
+  line("blinks", fixed(s.blinks_per_minute, 1) + " a minute; brow raises: " + fixed(s.raises_per_minute, 1) +
+                     " a minute; accents: " + fixed(s.accents_per_second, 2) +
                      " a second of speech; pauses: " + fixed(100 * s.pause_share, 1) + " % of the time");
   line("closures", std::to_string(s.closures) + ", the sound falls by " + fixed(-s.closure_dip, 2) +
                        " in them, " + fixed(100 * s.sealed_share, 1) + " % of all takes seal");

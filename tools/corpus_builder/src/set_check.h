@@ -19,7 +19,7 @@ struct SetStatistics {
   float mel_min = 0, mel_max = 0, level_min = 0, level_max = 0;
   float curve_min = 0, curve_max = 0;  ///< of the 52 coefficients
   float head_max_deg = 0;              ///< largest absolute head angle
-  double blinks_per_minute = 0;
+  double blinks_per_minute = 0, raises_per_minute = 0;
   double accents_per_second = 0;  ///< of speech without pauses
   double pause_share = 0;         ///< frames of viseme sil
   std::array<std::int64_t, 8> entries_by_emotion{};

@@ -17,7 +17,7 @@ constexpr std::int64_t kChannels = 55;
 
 std::string describe(const SetDescription& d) {
   nlohmann::json j;
-  j["version"] = 1;
+  j["version"] = 2;
   j["fps"] = kMotionFps;
   j["channels"] = arkit_and_head_channels();
   for (const auto& speaker : fixed_speakers().first(kNumTrainingStyles)) j["styles"].push_back(speaker.id);
@@ -56,7 +56,7 @@ Status SetWriter::add(const PreparedEntry& e) {
                e.closure.size() == n && e.accent.size() == n,
            "SetWriter::add: sizes of the entry disagree");
   for (const auto& take : e.takes)
-    contract(take.curves.size() == n * kChannels && take.blink.size() == n,
+    contract(take.curves.size() == n * kChannels && take.blink.size() == n && take.raise.size() == n,
              "SetWriter::add: sizes of a take disagree");
   Bytes bytes;
   append_entry(bytes, e);
@@ -82,6 +82,7 @@ Status SetWriter::finish(const SetDescription& description, Progress& progress) 
                                                  {"level", Dtype::f32, {mels}},
                                                  {"curves", Dtype::f16, {takes, frames, kChannels}},
                                                  {"blink_onset", Dtype::u8, {takes, frames}},
+                                                 {"brow_raise", Dtype::u8, {takes, frames}},
                                                  {"viseme", Dtype::u8, {frames}},
                                                  {"closure", Dtype::u8, {frames}},
                                                  {"accent", Dtype::u8, {frames}},
@@ -123,6 +124,7 @@ Status SetWriter::finish(const SetDescription& description, Progress& progress) 
       const auto& take = e.takes[static_cast<std::size_t>(k)];
       put("curves", (k * frames + frame) * kChannels, take.curves);
       put("blink_onset", k * frames + frame, take.blink);
+      put("brow_raise", k * frames + frame, take.raise);
       put("style", k * n + i, one(take.style));
       put("latent", (k * n + i) * 3, take.latents);
     }

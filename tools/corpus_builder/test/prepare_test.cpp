@@ -125,6 +125,7 @@ TEST(Prepare, SerialAndParallelGiveTheSameFile) {
   EXPECT_LT(statistics->closure_dip, -0.5) << "closures are not where the sound is weak";
   EXPECT_GT(statistics->sealed_share, 0.98);
   EXPECT_NEAR(statistics->blinks_per_minute, 22, 7);
+  EXPECT_NEAR(statistics->raises_per_minute, 12, 7);  // 24 % of about one accent a second of speech
 }
 
 TEST(Prepare, EntryFollowsThePhones) {

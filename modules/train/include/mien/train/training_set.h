@@ -37,6 +37,8 @@ class TrainingSet {
   [[nodiscard]] bool lips_closed(std::int64_t n) const { return closures_[static_cast<std::size_t>(n)] != 0; }
   [[nodiscard]] bool accent(std::int64_t n) const { return accents_[static_cast<std::size_t>(n)] != 0; }
   [[nodiscard]] bool blink_onset(std::int64_t take, std::int64_t n) const;
+  /// Amplitude of the brow raise whose centre is in this frame, 0 ... 1; 0 for none.
+  [[nodiscard]] float brow_raise(std::int64_t take, std::int64_t n) const;
   /// The set's own description (JSON text).
   [[nodiscard]] const std::string& description() const { return description_; }
 
@@ -49,7 +51,7 @@ class TrainingSet {
   std::int64_t num_takes_ = 0, num_frames_ = 0;
   std::span<const std::uint16_t> mel_, curves_;  // half floats
   std::span<const float> level_, latents_;
-  std::span<const std::uint8_t> visemes_, closures_, accents_, blink_onsets_, styles_;
+  std::span<const std::uint8_t> visemes_, closures_, accents_, blink_onsets_, brow_raises_, styles_;
   std::string description_;
 };
 

@@ -31,14 +31,4 @@ std::vector<NoiseLevel> cosine_grid(int num_steps, double power) {
   return levels;
 }
 
-std::vector<NoiseLevel> levels_of_betas(std::span<const double> betas) {
-  std::vector<NoiseLevel> levels;
-  double alpha_bar = 1;
-  for (const double beta : betas) {
-    alpha_bar *= 1 - beta;
-    levels.push_back({std::sqrt(alpha_bar), std::sqrt(1 - alpha_bar)});
-  }
-  return levels;
-}
-
 }  // namespace mien

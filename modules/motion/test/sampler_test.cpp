@@ -25,12 +25,6 @@ TEST(CosineSchedule, RunsFromCleanToNoise) {
   for (std::size_t i = 1; i < grid.size(); ++i) EXPECT_LT(grid[i].sigma, grid[i - 1].sigma);
 }
 
-TEST(Schedule, LevelsOfBetasMultiplyUp) {
-  const std::vector<double> betas = {0.1, 0.5};
-  const auto levels = levels_of_betas(betas);
-  EXPECT_NEAR(levels[1].alpha * levels[1].alpha, 0.9 * 0.5, 1e-12);
-}
-
 // For data N(mean, sd^2) the best estimate of x0 is known in closed form; a sampler that is right turns noise
 // into N(mean, sd^2).
 class GaussianData : public testing::TestWithParam<SamplerKind> {};

@@ -3,6 +3,7 @@
 #include <optional>
 #include <span>
 #include <string_view>
+#include <vector>
 
 #include "mien/motion/schedule.h"
 
@@ -19,7 +20,30 @@ std::optional<SamplerKind> parse_sampler(std::string_view name);  ///< "ddpm", "
 struct SamplerOptions {
   SamplerKind kind = SamplerKind::dpmpp_2m;
   double eta = 0;  ///< ddim only: share of fresh noise, 0 ... 1
+  /// Bounds that every estimate of x0 is held to before it is used.
+  struct Range {
+    float low, high;
+  };
+  std::optional<Range> clip_x0{};
 };
+
+/// One step of a sampler as arithmetic: x_next = x * x_t + x0 * estimate + previous_x0 * last estimate
+/// + noise * z. Everything a sampler is, so that other orders of work (frame by frame, along a wavefront, in
+/// another linear space) do the same.
+struct SampleStep {
+  NoiseLevel level;  ///< of x_t
+  double x = 0, x0 = 1, previous_x0 = 0;
+  double noise = 0;  ///< 0: no z is drawn
+
+  /// `x` becomes x_next. Rounds to float32 after each of the three additions. `z` may be empty when noise is
+  /// 0, `last` when previous_x0 is.
+  void apply(std::span<float> x_t, std::span<const float> estimate, std::span<const float> last,
+             std::span<const float> z) const;
+};
+
+/// The steps from levels.front() to levels.back(): levels.size() - 1 of them.
+/// @pre at least two levels; only the last may be clean
+std::vector<SampleStep> plan_sampling(const SamplerOptions& options, std::span<const NoiseLevel> levels);
 
 /// Writes the network's estimate of x0 for `x_t` at levels[step] to `x0`. All spans have the size of x.
 using Denoiser =

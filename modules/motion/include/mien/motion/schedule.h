@@ -1,5 +1,4 @@
 #pragma once
-#include <span>
 #include <vector>
 
 namespace mien {
@@ -22,8 +21,5 @@ NoiseLevel cosine_level(double t);
 /// decided.
 /// @pre num_steps >= 1
 std::vector<NoiseLevel> cosine_grid(int num_steps, double power);
-
-/// The levels of a discrete process with the given betas: alpha_bar_k = product of (1 - beta_i), i <= k.
-std::vector<NoiseLevel> levels_of_betas(std::span<const double> betas);
 
 }  // namespace mien

@@ -80,6 +80,10 @@ std::vector<std::string> arkit_order(ArkitOrder order) {
     case ArkitOrder::alphabetical:
       std::sort(names.begin(), names.end());
       return names;
+    case ArkitOrder::beat:
+      std::sort(names.begin(), names.end());
+      std::erase(names, "tongueOut");
+      return names;
     case ArkitOrder::mediapipe:
       std::sort(names.begin(), names.end());
       std::erase(names, "tongueOut");

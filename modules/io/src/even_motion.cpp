@@ -13,19 +13,18 @@ constexpr std::int64_t kFramesPerHour = 60 * 3600;
 }  // namespace
 
 Status check_motion(const Motion& motion, std::string_view writer) {
-  contract(
-      motion.channels.empty() ? motion.values.empty() : motion.values.size() % motion.channels.size() == 0,
-      "check_motion: the values are not whole frames");
+  const auto width = static_cast<std::size_t>(motion.num_channels());
+  contract(width == 0 ? motion.values.empty() : motion.values.size() % width == 0,
+           "check_motion: the values are not whole frames");
   if (!(motion.fps > 0) || !std::isfinite(motion.fps))
     return Error{Errc::failed, std::string(writer), "the frame rate of the motion is not a positive number",
                  ""};
   for (std::size_t i = 0; i < motion.values.size(); ++i) {
     if (std::isfinite(motion.values[i])) continue;
-    const std::size_t width = motion.channels.size();
-    return Error{
-        Errc::failed, std::string(writer),
-        "channel '" + motion.channels[i % width] + "' is not finite at frame " + std::to_string(i / width),
-        ""};
+    return Error{Errc::failed, std::string(writer),
+                 "channel '" + motion.channel_name(static_cast<std::int64_t>(i % width)) +
+                     "' is not finite at frame " + std::to_string(i / width),
+                 ""};
   }
   return Done{};
 }

@@ -8,6 +8,7 @@
 #include "even_motion.h"
 #include "mien/base/file.h"
 #include "mien/core/arkit.h"
+#include "mien/core/rig_controls.h"
 #include "mien/io/live_link_csv.h"
 #include "mien/io/motion_json.h"
 #include "mien/io/npy.h"
@@ -68,6 +69,14 @@ Status write_glb_file(const std::filesystem::path& path, const Motion& motion, c
   return status;
 }
 
+// The papers' rates, where the width tells the data set.
+double assumed_rate(std::size_t width) {
+  if (width == kNumArkit - 1 || width == kNumUudamm) return 30;  // BEAT, UUDaMM
+  if (width % 3 != 0) return 60;
+  const auto known = known_topology(static_cast<std::int64_t>(width / 3));
+  return known ? known->fps : 60;
+}
+
 Result<Motion> motion_of_array(NpyArray array, double fps) {
   if (array.shape.empty())
     return Error{Errc::incompatible, ".npy file", "it is a single number, expected frames", ""};
@@ -82,28 +91,33 @@ Result<Motion> motion_of_array(NpyArray array, double fps) {
   for (std::size_t i = 0; i < array.values.size(); ++i)
     if (!std::isfinite(array.values[i]))
       return Error{Errc::input, ".npy file", "frame " + std::to_string(i / width) + " is not finite", ""};
-  Result<Motion> result{Motion{MotionSpace::arkit, {}, fps > 0 ? fps : 60, std::move(array.values)}};
+  Result<Motion> result{Motion{MotionSpace::arkit, {}, fps, std::move(array.values)}};
   auto& channels = result->channels;
   if (width == kNumArkit) {
     channels = arkit_order(ArkitOrder::apple);
   } else if (width == kNumArkit + 3) {
     channels = arkit_and_head_channels();
   } else if (width == kNumArkit - 1) {
-    channels = arkit_order(ArkitOrder::alphabetical);
-    std::erase(channels, "tongueOut");
+    channels = arkit_order(ArkitOrder::beat);
   } else if (width == 32) {
     channels = arkit_order(ArkitOrder::said);
+  } else if (width == kNumUudamm) {
+    result->space = MotionSpace::rig;
+    channels = uudamm_controls();
+  } else if (width % 3 == 0 && width >= 300) {
+    result->space = MotionSpace::vertices;
+    result->topology = topology_of(static_cast<std::int64_t>(width / 3));
   } else {
-    const bool is_mesh = width % 3 == 0 && width >= 300;
-    result->space = is_mesh ? MotionSpace::vertices : MotionSpace::rig;
-    for (std::size_t c = 0; c < width; ++c)
-      channels.push_back(is_mesh ? std::to_string(c / 3) + "." + "xyz"[c % 3]
-                                 : "channel" + std::to_string(c));
+    result->space = MotionSpace::rig;
+    for (std::size_t c = 0; c < width; ++c) channels.push_back("channel" + std::to_string(c));
   }
-  if (result->space == MotionSpace::arkit)
+  if (!(fps > 0)) result->fps = assumed_rate(width);
+  if (result->space == MotionSpace::arkit || width == kNumUudamm)
     result.warnings.push_back("the names of the " + std::to_string(width) +
                               " columns are assumed from their number");
-  if (!(fps > 0)) result.warnings.emplace_back("the file states no frame rate: 60 is assumed");
+  if (!(fps > 0))
+    result.warnings.push_back("the file states no frame rate: " + std::to_string(std::lround(result->fps)) +
+                              " is assumed");
   return result;
 }
 

@@ -16,6 +16,7 @@ using namespace io;
 
 constexpr int kVersion = 1;
 constexpr double kMaxFps = 10000;
+constexpr std::uint64_t kMaxVertices = 1'000'000;
 constexpr std::pair<MotionSpace, std::string_view> kSpaces[] = {{MotionSpace::arkit, "arkit"},
                                                                 {MotionSpace::flame, "flame"},
                                                                 {MotionSpace::vertices, "vertices"},
@@ -72,8 +73,15 @@ Result<Motion> read_ours(const Json& json) {
     if (name == space) motion.space = value, known = true;
   if (!known) return bad("'space' is '" + space + "', expected arkit, flame, vertices or rig");
   MIEN_TRY(motion.fps, read_rate(json, "fps"));
-  MIEN_TRY(motion.channels, read_names(json, "channels"));
-  MIEN_TRY(motion.values, read_frames(json, "frames", motion.channels.size()));
+  if (motion.space == MotionSpace::vertices) {
+    const auto count = index_member(member(json, "topology"), "vertices");
+    if (!count || *count == 0 || *count > kMaxVertices)
+      return bad("'topology' does not say how many vertices move");
+    motion.topology = {text_member(member(json, "topology"), "name"), static_cast<std::int64_t>(*count)};
+  } else {
+    MIEN_TRY(motion.channels, read_names(json, "channels"));
+  }
+  MIEN_TRY(motion.values, read_frames(json, "frames", static_cast<std::size_t>(motion.num_channels())));
   return motion;
 }
 
@@ -115,7 +123,12 @@ Status write_motion_json(const Motion& motion, std::string_view audio_name, cons
   std::string text = "{\"mien_motion\": " + std::to_string(kVersion) + ", \"space\": \"" +
                      std::string(space) + "\", \"fps\": " + json_text(motion.fps);
   if (!audio_name.empty()) text += ", \"audio\": " + json_text(std::string(audio_name));
-  text += ",\n\"channels\": " + json_text(motion.channels) + ",\n\"frames\": [";
+  if (motion.space == MotionSpace::vertices)
+    text += ",\n\"topology\": {\"name\": " + json_text(motion.topology.name) +
+            ", \"vertices\": " + std::to_string(motion.topology.num_vertices) + "}";
+  else
+    text += ",\n\"channels\": " + json_text(motion.channels);
+  text += ",\n\"frames\": [";
   for (std::int64_t n = 0; n < motion.num_frames(); ++n) {
     text += n == 0 ? "\n[" : ",\n[";
     const auto frame = motion.frame(n);

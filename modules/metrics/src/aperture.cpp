@@ -33,9 +33,9 @@ Result<Motion> at_metric_rate(const Motion& motion) {
     return Error{Errc::incompatible, "motion", "its frame rate is not a positive number", ""};
   for (std::size_t i = 0; i < motion.values.size(); ++i) {
     if (std::isfinite(motion.values[i])) continue;
-    const std::size_t width = motion.channels.size();
+    const auto width = static_cast<std::size_t>(motion.num_channels());
     return Error{Errc::failed, "motion",
-                 "channel '" + motion.channels[i % width] + "' of frame " + std::to_string(i / width) +
+                 "channel '" + motion.channel_name(static_cast<std::int64_t>(i % width)) + "' of frame " + std::to_string(i / width) +
                      " is not a finite number",
                  ""};
   }

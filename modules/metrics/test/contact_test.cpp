@@ -147,7 +147,7 @@ TEST(Aperture, VariantsOfOneFrame) {
 
 TEST(Aperture, MeshGapIsInMillimetresAboveNeutral) {
   const std::vector<Vec3> neutral = {{0, 0.001f, 0}, {0, 0, 0}};
-  const Motion motion{MotionSpace::vertices, std::vector<std::string>(6), 60, {0, 0.002f, 0, 0, -0.002f, 0}};
+  const Motion motion = vertex_motion({"lips", 2}, 60, {0, 0.002f, 0, 0, -0.002f, 0});
   const auto gap = mesh_aperture(motion, neutral, {0, 1});
   ASSERT_TRUE(gap);
   EXPECT_NEAR(gap->values[0], 3, 1e-4);

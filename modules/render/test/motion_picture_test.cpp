@@ -99,7 +99,7 @@ TEST(MotionPicture, WhatDoesNotFitIsAnErrorOrAWarning) {
   const auto code = [](const Result<MotionPicture>& result) {
     return result.has_value() ? Errc::failed : result.error().code;
   };
-  Motion vertices{MotionSpace::vertices, {"x", "y", "z"}, 30, {0, 0, 0}};
+  const Motion vertices = vertex_motion({"point", 1}, 30, {0, 0, 0});
   EXPECT_EQ(code(MotionPicture::create(character, {&vertices}, small(8, 8))), Errc::incompatible);
   Motion stranger{MotionSpace::rig, {"wingFlap"}, 30, {1}};
   const auto unknown = MotionPicture::create(character, {&stranger}, small(8, 8));

@@ -25,6 +25,7 @@ enum class ArkitOrder {
   live_link_csv,  ///< Live Link Face CSV: jawRight before jawLeft, mouthRight before mouthLeft
   unreal,       ///< Unreal's enumeration, Live Link UDP; the same arrangement as apple
   alphabetical,
+  beat,         ///< alphabetical without tongueOut: 51 names (BEAT, FaceDiffuser)
   mediapipe,    ///< "_neutral" first, then alphabetical without tongueOut
   said,         ///< SAiD and BlendVOCA: 32 names
 };

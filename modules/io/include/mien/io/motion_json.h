@@ -9,7 +9,8 @@
 namespace mien {
 
 /// Writes motion as JSON: {"mien_motion": 1, "space": "arkit" | "flame" | "vertices" | "rig", "fps": 60,
-/// "audio": name (when not empty), "channels": [C names], "frames": [N lists of C numbers]}, one line per
+/// "audio": name (when not empty), "channels": [C names] (in the space "vertices"
+/// instead "topology": {"name", "vertices": V}), "frames": [N lists of C numbers]}, one line per
 /// frame. Numbers read back as the same floats. Errors: Errc::failed for numbers that are not finite.
 Status write_motion_json(const Motion& motion, std::string_view audio_name, const TextSink& sink);
 Result<std::string> motion_json(const Motion& motion, std::string_view audio_name = "");

@@ -82,6 +82,7 @@ Result<Facts> inspect_model(const std::filesystem::path& path, const Safetensors
   facts.add("condition_width", m.sizes.condition);
   facts.add("diffusion_hidden", m.sizes.diffusion_hidden);
   facts.add("blink_hidden", m.sizes.blink_hidden);
+  facts.add("brow_hidden", m.sizes.brow_hidden);
   facts.add("styles", names_in(file, "styles"));
   facts.add("emotions", names_in(file, "emotions"));
   add_training_set(m.training_set, facts);

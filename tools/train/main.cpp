@@ -47,9 +47,13 @@ Status export_model(const TrainingConfig& config, const TrainingSet& set, Networ
 // The names of a run's files.
 struct WorkFiles {
   explicit WorkFiles(const std::filesystem::path& folder)
-      : log(folder / "log.tsv"), features(folder / "features.safetensors"), mean(folder / "mean.checkpoint.safetensors"),
-        diffusion(folder / "diffusion.checkpoint.safetensors"), blink(folder / "blink.checkpoint.safetensors") {}
-  std::filesystem::path log, features, mean, diffusion, blink;
+      : log(folder / "log.tsv"),
+        features(folder / "features.safetensors"),
+        mean(folder / "mean.checkpoint.safetensors"),
+        diffusion(folder / "diffusion.checkpoint.safetensors"),
+        blink(folder / "blink.checkpoint.safetensors"),
+        brow(folder / "brow.checkpoint.safetensors") {}
+  std::filesystem::path log, features, mean, diffusion, blink, brow;
 };
 
 Network initial_network(const TrainingConfig& config, const TrainingSet& set) {
@@ -70,12 +74,16 @@ Status snapshot(const TrainingConfig& config, const std::filesystem::path& path,
     MIEN_TRY(const auto features, ChunkFeatures::open(files.features));
     measure_coefficient_sd(set, features, network, config.options);
   }
-  Collect mean, diffusion, blink;
+  Collect mean, diffusion, blink, brow;
   mean.scope("encoder", network.encoder);
   mean.scope("mean", network.mean);
   diffusion.scope("diffusion", network.diffusion);
   blink.scope("blink", network.blink);
-  for (const auto& [stage, file] : {std::pair{&mean, &files.mean}, {&diffusion, &files.diffusion}, {&blink, &files.blink}}) {
+  brow.scope("brow", network.brow);
+  for (const auto& [stage, file] : {std::pair{&mean, &files.mean},
+                                    {&diffusion, &files.diffusion},
+                                    {&blink, &files.blink},
+                                    {&brow, &files.brow}}) {
     if (!std::filesystem::exists(*file)) continue;
     MIEN_TRY(const auto step, load_stage_average(stage->entries, *file));
     progress.say(file->filename().string() + ": step " + std::to_string(step));
@@ -97,11 +105,10 @@ Status train(const TrainingConfig& config, ConsoleProgress& progress) {
 
   MeanStage mean(set, network, config.options);
   log.begin("mean");
-  MIEN_TRY(
-      [[maybe_unused]] const auto mean_done,
-      run_stage(
-          "mean path", mean.parameters(), config.mean, files.mean,
-          [&](std::int64_t step) { return mean.loss(step); }, progress, report));
+  MIEN_TRY([[maybe_unused]] const auto mean_done,
+           run_stage(
+               "mean path", mean.parameters(), config.mean, files.mean,
+               [&](std::int64_t step) { return mean.loss(step); }, progress, report));
   progress.say("mean path: validation loss " + fixed(mean.validation_loss(20), 4));
 
   if (!std::filesystem::exists(files.features)) {
@@ -115,17 +122,22 @@ Status train(const TrainingConfig& config, ConsoleProgress& progress) {
   log.begin("diffusion");
   MIEN_TRY([[maybe_unused]] const auto diffusion_done,
            run_stage(
-               "diffusion path", diffusion.parameters(), config.diffusion,
-               files.diffusion,
+               "diffusion path", diffusion.parameters(), config.diffusion, files.diffusion,
                [&](std::int64_t step) { return diffusion.loss(step); }, progress, report));
 
-  BlinkStage blink(set, features, network, config.options);
+  EventStage blink(set, features, network, config.options, EventStage::Events::blinks);
   log.begin("blink");
-  MIEN_TRY(
-      [[maybe_unused]] const auto blink_done,
-      run_stage(
-          "blink path", blink.parameters(), config.blink, files.blink,
-          [&](std::int64_t step) { return blink.loss(step); }, progress, report));
+  MIEN_TRY([[maybe_unused]] const auto blink_done,
+           run_stage(
+               "blink path", blink.parameters(), config.blink, files.blink,
+               [&](std::int64_t step) { return blink.loss(step); }, progress, report));
+
+  EventStage brow(set, features, network, config.options, EventStage::Events::brow_raises);
+  log.begin("brow");
+  MIEN_TRY([[maybe_unused]] const auto brow_done,
+           run_stage(
+               "brow path", brow.parameters(), config.brow, files.brow,
+               [&](std::int64_t step) { return brow.loss(step); }, progress, report));
 
   MIEN_TRY([[maybe_unused]] const auto saved, export_model(config, set, network, config.output));
   progress.say("wrote " + config.output.string());
@@ -151,7 +163,8 @@ int main(int argc, char** argv) {
   app.add_option("--device", device, "cpu or cuda")
       ->capture_default_str()
       ->check(CLI::IsMember({"cpu", "cuda"}));
-  app.add_option("--snapshot", snapshot_path, "Only write the model as far as it is trained to this file, and stop");
+  app.add_option("--snapshot", snapshot_path,
+                 "Only write the model as far as it is trained to this file, and stop");
   app.add_flag("--quiet", quiet, "Print errors only");
   app.add_flag("--json", json, "One JSON event a line on stderr");
   app.footer(

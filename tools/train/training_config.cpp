@@ -98,6 +98,7 @@ Result<TrainingConfig> load_training_config(const std::filesystem::path& path) {
     t.read("condition", config.sizes.condition);
     t.read("diffusion_hidden", config.sizes.diffusion_hidden);
     t.read("blink_hidden", config.sizes.blink_hidden);
+    t.read("brow_hidden", config.sizes.brow_hidden);
     t.read("look_ahead_mel_frames", o.look_ahead_mel_frames);
   }
   read_stage(root, "mean", problems, config.mean, [&](TableReader& t) {
@@ -119,6 +120,7 @@ Result<TrainingConfig> load_training_config(const std::filesystem::path& path) {
     t.read("max_snr_weight", o.max_snr_weight);
   });
   read_stage(root, "blink", problems, config.blink, [](TableReader&) {});
+  read_stage(root, "brow", problems, config.brow, [](TableReader&) {});
   if (o.crop_frames % 3 != 0) problems += "[mean] crop_frames must be a multiple of 3; ";
   if (!problems.empty())
     return Error{Errc::usage, "'" + path.string() + "'", problems, "See configs/default.toml"};

@@ -13,7 +13,7 @@ struct TrainingConfig {
   int num_threads = 2;
   default_model::Sizes sizes;
   DefaultTrainingOptions options;
-  StageOptions mean, diffusion, blink;
+  StageOptions mean, diffusion, blink, brow;
   std::string text;  ///< the file itself, kept in the model as provenance
 };
 

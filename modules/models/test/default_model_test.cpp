@@ -105,6 +105,45 @@ TEST(DefaultStream, DelaysAFrameByItsLookAheadOnly) {
   }
 }
 
+TEST(DefaultStream, HearsNoFurtherThanItsLookAhead) {
+  const DefaultModel model = small_model();
+  const auto samples = speech_like(2);
+  auto changed = samples;
+  constexpr std::size_t kChange = 20000;
+  for (std::size_t i = kChange; i < changed.size(); ++i) changed[i] = -0.5f * changed[i] + 0.01f;
+  const auto a = run(model, samples, samples.size()), b = run(model, changed, changed.size());
+  ASSERT_EQ(a.size(), b.size());
+  const double unaware_s =
+      static_cast<double>(kChange) / 16000 - default_model::look_ahead_ms(model.metadata()) / 1000;
+  const auto same = static_cast<std::size_t>(unaware_s * 60) * 55;
+  EXPECT_TRUE(std::equal(a.begin(), a.begin() + static_cast<std::ptrdiff_t>(same), b.begin()));
+  EXPECT_NE(a, b);
+}
+
+TEST(DefaultStream, RaisesTheBrowsAndMovesNothingElseForIt) {
+  const fs::path path = fs::path(testing::TempDir()) / "mien_first_version.safetensors";
+  write_small_model(path, 0);
+  const auto without = DefaultModel::load(path);
+  ASSERT_TRUE(without) << without.error().message();
+  const auto samples = speech_like(3);
+  const auto a = run(*without, samples, samples.size()), b = run(small_model(), samples, samples.size());
+  ASSERT_EQ(a.size(), b.size());
+  int raised = 0;
+  const auto is_brow = [](std::size_t c) {
+    return c == arkit_index("browInnerUp") || c == arkit_index("browOuterUpLeft") ||
+           c == arkit_index("browOuterUpRight");
+  };
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    if (is_brow(i % 55)) {
+      EXPECT_GE(b[i], a[i]) << i;
+      raised += b[i] > a[i] + 0.05f;
+    } else {
+      ASSERT_EQ(b[i], a[i]) << i;
+    }
+  }
+  EXPECT_GT(raised, 20);
+}
+
 TEST(DefaultStream, SeedsChangeTheUpperFaceAndRepeat) {
   const DefaultModel model = small_model();
   const auto samples = speech_like(1.5);

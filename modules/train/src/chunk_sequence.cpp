@@ -2,6 +2,9 @@
 
 #include <array>
 
+#include "condition_batch.h"
+#include "mien/base/hash.h"
+
 namespace mien::train {
 
 namespace dm = default_model;
@@ -54,9 +57,31 @@ torch::Tensor upper_chunks(const TrainingSet& set, const ChunkFeatures& features
   return out;
 }
 
-torch::Tensor speech_of(const ChunkFeatures& features, const ChunkSequence& s) {
-  return features.speech.narrow(0, features.chunk_start[s.entry] + s.first_chunk, s.num_chunks)
-      .to(torch::kFloat);
+SequenceBatch draw_batch(const TrainingSet& set, const ChunkFeatures& features,
+                         const std::vector<std::size_t>& entries, const DefaultTrainingOptions& options,
+                         std::uint64_t seed) {
+  SequenceBatch batch;
+  std::vector<torch::Tensor> speech;
+  ConditionBatch condition(set, options.unknown_probability);
+  for (std::int64_t b = 0; b < options.sequence_batch; ++b) {
+    Rng rng(hash_combine(seed, static_cast<std::uint64_t>(b)));
+    const auto s = draw_sequence(set, entries, options.sequence_chunks, rng);
+    batch.sequences.push_back(s);
+    speech.push_back(features.speech.narrow(0, features.chunk_start[s.entry] + s.first_chunk, s.num_chunks));
+    condition.add(s.take, s.entry, rng);
+  }
+  batch.speech = torch::stack(speech).to(torch::kFloat).to(options.device);
+  batch.condition = condition.tensors(options.device);
+  return batch;
+}
+
+torch::Tensor speech_of_steps(const torch::Tensor& speech, const dm::EventKind& kind) {
+  // Chunk c holds the groups that end at frames 12 c - 8, 12 c - 4 and 12 c. All groups in a row are
+  // therefore those of steps of four frames, and a chunk's last group is the one of the step that hears up to
+  // its first frame; a step of twelve frames hears a whole chunk's groups.
+  const std::int64_t num_chunks = speech.size(1), per_chunk = dm::kChunkFrames / kind.frames;
+  const auto steps = speech.reshape({speech.size(0), num_chunks * per_chunk, speech.size(2) / per_chunk});
+  return steps.narrow(1, per_chunk - 1, (num_chunks - 1) * per_chunk + 1);
 }
 
 }  // namespace mien::train

@@ -23,7 +23,21 @@ ChunkSequence draw_sequence(const TrainingSet& set, const std::vector<std::size_
 torch::Tensor upper_chunks(const TrainingSet& set, const ChunkFeatures& features, const Network& network,
                            const ChunkSequence& sequence);
 
-/// Speech context of the sequence: [num_chunks, 3 W] float.
-torch::Tensor speech_of(const ChunkFeatures& features, const ChunkSequence& sequence);
+/// What the stages on frozen features see of a batch, on the device of the options.
+struct SequenceBatch {
+  std::vector<ChunkSequence> sequences;                    // B
+  torch::Tensor speech;                                    // [B, K, 3 W]
+  default_model::ConditionInput<torch::Tensor> condition;  // [B, 1, ..]
+};
+
+/// The batch that belongs to a seed: options.sequence_batch sequences of options.sequence_chunks.
+SequenceBatch draw_batch(const TrainingSet& set, const ChunkFeatures& features,
+                         const std::vector<std::size_t>& entries, const DefaultTrainingOptions& options,
+                         std::uint64_t seed);
+
+/// What the steps of an event path hear of sequences of chunks: speech [B, K, 3 W] -> [B, S, groups W]. The
+/// first of the S = (K - 1) 12 / frames + 1 steps is the one that hears up to the first frame of the first
+/// chunk.
+torch::Tensor speech_of_steps(const torch::Tensor& speech, const default_model::EventKind& kind);
 
 }  // namespace mien::train

@@ -1,7 +1,6 @@
 #include <cmath>
 
 #include "chunk_sequence.h"
-#include "condition_batch.h"
 #include "mien/base/hash.h"
 #include "mien/models/default/chunk_code.h"
 #include "mien/motion/schedule.h"
@@ -75,16 +74,10 @@ torch::Tensor DiffusionStage::loss(std::int64_t step) {
   const std::int64_t num_times = options_.times_per_chunk;
   const std::uint64_t seed =
       hash_combine(hash64("diffusion", options_.seed), static_cast<std::uint64_t>(step));
-  std::vector<torch::Tensor> chunks, speech, amplitude;
-  ConditionBatch condition(set_, options_.unknown_probability);
-  for (std::int64_t b = 0; b < num_batch; ++b) {
-    Rng rng(hash_combine(seed, static_cast<std::uint64_t>(b)));
-    const auto sequence = draw_sequence(set_, entries_, num_chunks, rng);
+  const auto batch = draw_batch(set_, features_, entries_, options_, seed);
+  std::vector<torch::Tensor> chunks;
+  for (const auto& sequence : batch.sequences)
     chunks.push_back(upper_chunks(set_, features_, network_, sequence));
-    speech.push_back(speech_of(features_, sequence));
-    condition.add(sequence.take, sequence.entry, rng);
-    amplitude.push_back(torch::full({1, 1}, options_.history_noise * rng.uniform()));
-  }
   const auto all = torch::stack(chunks);  // [B, K + 1, 6 U]
   auto past = all.narrow(1, 0, num_chunks).clone();
   const auto target_chunks = all.narrow(1, 1, num_chunks);
@@ -100,7 +93,10 @@ torch::Tensor DiffusionStage::loss(std::int64_t step) {
       network_.statistics.coefficient_sd.cpu().narrow(0, 0, kNumUpper) / std::sqrt(6.0);
   const auto disturbance =
       ((offset + 0.3 * rough) * (typical_change / 0.3).clamp_max(1)).reshape({num_batch, num_chunks, -1});
-  past += torch::stack(amplitude) * disturbance;
+  torch::Tensor amplitude = torch::empty({num_batch, 1, 1});
+  for (std::int64_t b = 0; b < num_batch; ++b)
+    amplitude[b] = options_.history_noise * field.uniform(static_cast<std::uint64_t>(b), 4);
+  past += amplitude * disturbance;
 
   const auto dct = dct_tensor();
   const auto device = options_.device;
@@ -108,8 +104,8 @@ torch::Tensor DiffusionStage::loss(std::int64_t step) {
   default_model::DiffusionPath<torch::Tensor>::State state{
       torch::zeros({num_batch, 1, network_.sizes.diffusion_hidden}, device),
       torch::zeros({num_batch, 1, network_.sizes.diffusion_hidden}, device)};
-  const auto c = network_.diffusion.condition(condition.tensors(device));
-  const auto h = network_.diffusion.read(past.to(device), torch::stack(speech).to(device), c, state);
+  const auto c = network_.diffusion.condition(batch.condition);
+  const auto h = network_.diffusion.read(past.to(device), batch.speech, c, state);
 
   // Several noise levels per chunk share the recurrent part.
   torch::Tensor alpha = torch::empty({num_times, num_batch, num_chunks, 1}), sigma = torch::empty_like(alpha),

@@ -18,7 +18,7 @@ namespace dm = default_model;
 // measured.
 constexpr double kParityTolerance = 2e-5;
 
-const dm::Sizes kSizes{24, 16, 32, 20};
+const dm::Sizes kSizes{24, 16, 32, 20, 12};
 
 Network random_network(std::uint64_t seed) {
   Network network(kSizes);
@@ -106,17 +106,24 @@ TEST_F(Parity, DiffusionPath) {
               torch_.diffusion.predict_x0(h, x_t, time), "predict_x0");
 }
 
-TEST_F(Parity, BlinkPath) {
-  const auto speech = torch::randn({1, 4, dm::kContextGroups * kSizes.width});
-  const auto history = torch::rand({1, 4, dm::kNumBlinkClasses + 1});
+TEST_F(Parity, EventPaths) {
   const auto c = condition();
-  const auto& r = runtime_->network();
-  auto state = torch::zeros({1, 1, kSizes.blink_hidden});
-  Tensor runtime_state({1, kSizes.blink_hidden});
-  const auto logits = torch_.blink(speech, history, torch_.blink.condition(c), state);
-  expect_same(r.blink(to_runtime(speech), to_runtime(history), r.blink.condition(to_runtime_condition(c)),
-                      runtime_state),
-              logits, "logits");
+  const auto compare = [&](const dm::EventPath<torch::Tensor>& path, const dm::EventPath<Tensor>& runtime,
+                           const char* what) {
+    const dm::EventKind& kind = path.kind;
+    const auto speech = torch::randn({1, 4, kind.groups * kSizes.width});
+    const auto history = torch::rand({1, 4, kind.num_history()});
+    auto state = torch::zeros({1, 1, path.hidden});
+    Tensor runtime_state({1, runtime.hidden});
+    const auto out = path(speech, history, path.condition(c), state);
+    EXPECT_EQ(out.size(2), kind.num_outputs()) << what;
+    expect_same(runtime(to_runtime(speech), to_runtime(history), runtime.condition(to_runtime_condition(c)),
+                        runtime_state),
+                out, what);
+    expect_same(runtime_state, state, what);
+  };
+  compare(torch_.blink, runtime_->network().blink, "blink");
+  compare(torch_.brow, runtime_->network().brow, "brow");
 }
 
 // d(sum of out * weights)/d(parameter) against central differences, for some elements of every parameter.
@@ -155,7 +162,9 @@ TEST(Gradients, EqualCentralDifferences) {
   const auto past = torch::randn({2, 3, dm::kChunkSamples * kNumUpper}, options);
   const auto speech = torch::randn({2, 3, dm::kContextGroups * kSizes.width}, options);
   const auto time = torch::randn({2, 3, dm::kNumTimeFeatures}, options);
-  const auto history = torch::rand({2, 3, dm::kNumBlinkClasses + 1}, options);
+  const auto blink_history = torch::rand({2, 3, dm::kBlinks.num_history()}, options);
+  const auto brow_speech = torch::randn({2, 3, kSizes.width}, options);
+  const auto brow_history = torch::rand({2, 3, dm::kBrowRaises.num_history()}, options);
   const auto zeros = [&](std::int64_t width) { return torch::zeros({2, 1, width}, options); };
   expect_gradients(parameters(network), [&] {
     const auto features = network.encoder.encode_frames(network.encoder.encode_mel(mel, nullptr), nullptr);
@@ -164,10 +173,11 @@ TEST(Gradients, EqualCentralDifferences) {
                                                   zeros(kSizes.diffusion_hidden)};
     const auto h = network.diffusion.read(past, speech, network.diffusion.condition(c), state);
     const auto x0 = network.diffusion.predict_x0(h, past, time);
-    auto blink_state = zeros(kSizes.blink_hidden);
-    const auto logits = network.blink(speech, history, network.blink.condition(c), blink_state);
-    return mean.square().mean() + x0.square().mean() + torch::log_softmax(logits, -1).mean() +
-           network.encoder.visemes(features).square().mean() +
+    auto blink_state = zeros(kSizes.blink_hidden), brow_state = zeros(kSizes.brow_hidden);
+    const auto blink = network.blink(speech, blink_history, network.blink.condition(c), blink_state);
+    const auto brow = network.brow(brow_speech, brow_history, network.brow.condition(c), brow_state);
+    return mean.square().mean() + x0.square().mean() + torch::log_softmax(blink, -1).mean() +
+           brow.square().mean() + network.encoder.visemes(features).square().mean() +
            network.encoder.events(features).square().mean();
   });
 }

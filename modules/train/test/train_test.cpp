@@ -92,7 +92,7 @@ class DefaultTraining : public testing::Test {
   void TearDown() override { fs::remove_all(folder_); }
 
   Network fresh_network() const {
-    Network network(dm::Sizes{16, 8, 24, 16});
+    Network network(dm::Sizes{16, 8, 24, 16, 16});
     Initialise initialise(3);
     network.visit(initialise);
     measure_face_statistics(*set_, network);
@@ -144,7 +144,7 @@ TEST_F(DefaultTraining, GoesOnAfterAnInterruptionWithTheSameLosses) {
   EXPECT_EQ(got, want);
 }
 
-TEST_F(DefaultTraining, DiffusionAndBlinkPathsLearn) {
+TEST_F(DefaultTraining, DiffusionAndEventPathsLearn) {
   Network network = fresh_network();
   Progress progress;
   const auto path = folder_ / "features.safetensors";
@@ -160,9 +160,12 @@ TEST_F(DefaultTraining, DiffusionAndBlinkPathsLearn) {
   // Steps differ in their noise levels: compare averages.
   EXPECT_LT(std::accumulate(l.end() - 20, l.end(), 0.0),
             0.6 * std::accumulate(l.begin(), l.begin() + 20, 0.0));
-  BlinkStage blink(*set_, *features, network, options_);
+  EventStage blink(*set_, *features, network, options_, EventStage::Events::blinks);
   const auto b = losses(blink, 60, 0, "blink");
   EXPECT_LT(b.back(), 0.3 * b.front());  // they come every tenth chunk: fully predictable
+  EventStage brow(*set_, *features, network, options_, EventStage::Events::brow_raises);
+  const auto r = losses(brow, 120, 0, "brow");
+  EXPECT_LT(r.back(), 0.3 * r.front());  // every 90 frames, always 64 / 255
 }
 
 TEST_F(DefaultTraining, SavedParametersLoadAgainAndRefuseOtherSizes) {
@@ -175,7 +178,7 @@ TEST_F(DefaultTraining, SavedParametersLoadAgainAndRefuseOtherSizes) {
   other.mean.out.bias.add_(1);
   ASSERT_TRUE(load_parameters(parameters(other), *file));
   EXPECT_TRUE(torch::equal(other.mean.out.bias, network.mean.out.bias));
-  Network larger(dm::Sizes{24, 8, 24, 16});
+  Network larger(dm::Sizes{24, 8, 24, 16, 16});
   Initialise initialise(3);
   larger.visit(initialise);
   EXPECT_EQ(load_parameters(parameters(larger), *file).error().code, Errc::incompatible);

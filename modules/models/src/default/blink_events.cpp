@@ -2,39 +2,23 @@
 
 #include <algorithm>
 
-#include "mien/base/hash.h"
-
 namespace mien::default_model {
 namespace {
 
-constexpr std::uint32_t kClassStream = 2;
+constexpr std::uint32_t kBlinkStream = 2;
 constexpr double kMotionFps = 60;
 
 }  // namespace
 
-BlinkEvents::BlinkEvents(const DefaultModel& model, std::uint64_t seed)
-    : model_(model), seed_(seed), state_({1, model.metadata().sizes.blink_hidden}) {}
+BlinkEvents::BlinkEvents(const EventPath<Tensor>& path, std::uint64_t seed)
+    : draw_(path, seed, kBlinkStream) {}
 
-void BlinkEvents::add_chunk(const Tensor& speech, const Tensor& c) {
-  const Tensor logits =
-      model_.network().blink(speech, Tensor({1, kNumBlinkClasses + 1}, history_.numbers()), c, state_);
-  const Tensor probabilities = softmax_last(logits);
-  double rest = NoiseField(seed_, kClassStream).uniform(static_cast<std::uint64_t>(num_chunks_), 0);
-  int drawn = 0;
-  for (const float p : probabilities.values()) {
-    rest -= static_cast<double>(p);
-    if (rest < 0) break;
-    ++drawn;
-  }
-  if (drawn == kNumBlinkClasses) drawn = 0;  // rounding left the sum below the drawn number
-  history_.add(drawn);
-  if (drawn > 0) {
-    Rng rng(hash_combine(hash_combine(seed_, kClassStream), static_cast<std::uint64_t>(num_chunks_)));
-    BlinkEvent event = draw_blink(rng);
-    event.onset_s = static_cast<double>(num_chunks_ * kChunkFrames + drawn - 1) / kMotionFps;
-    events_.push_back(event);
-  }
-  ++num_chunks_;
+void BlinkEvents::add_step(const Tensor& speech, const Tensor& c) {
+  auto drawn = draw_.step(speech, c);
+  if (!drawn) return;
+  BlinkEvent event = draw_blink(drawn->rng);
+  event.onset_s = static_cast<double>(drawn->frame) / kMotionFps;
+  events_.push_back(event);
 }
 
 LidClosure BlinkEvents::closure(std::int64_t n) {

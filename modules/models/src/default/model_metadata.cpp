@@ -28,7 +28,8 @@ std::map<std::string, std::string> to_metadata(const ModelMetadata& m) {
   json["sizes"] = {{"width", m.sizes.width},
                    {"condition", m.sizes.condition},
                    {"diffusion_hidden", m.sizes.diffusion_hidden},
-                   {"blink_hidden", m.sizes.blink_hidden}};
+                   {"blink_hidden", m.sizes.blink_hidden},
+                   {"brow_hidden", m.sizes.brow_hidden}};
   json["look_ahead_mel_frames"] = m.look_ahead_mel_frames;
   json["styles"] = Json::array();
   for (int s = 0; s < kStyleEntries - 1; ++s)
@@ -50,8 +51,10 @@ Result<ModelMetadata> from_metadata(const std::map<std::string, std::string>& me
   };
   if (!json.is_object()) return broken("is not a JSON object");
   ModelMetadata m;
+  bool has_all_sizes = false;
   try {
-    if (const int version = json.at("format_version").get<int>(); version > ModelMetadata::kFormatVersion)
+    const int version = json.at("format_version").get<int>();
+    if (version > ModelMetadata::kFormatVersion)
       return Error{Errc::incompatible, "model",
                    "has format version " + std::to_string(version) + ", this program reads up to " +
                        std::to_string(ModelMetadata::kFormatVersion),
@@ -65,16 +68,17 @@ Result<ModelMetadata> from_metadata(const std::map<std::string, std::string>& me
       const auto value = sizes.at(key).get<std::int64_t>();
       return value >= 1 && value <= 4096 ? value : 0;
     };
-    m.sizes = {size("width"), size("condition"), size("diffusion_hidden"), size("blink_hidden")};
+    m.sizes = {size("width"), size("condition"), size("diffusion_hidden"), size("blink_hidden"),
+               version == 1 ? 0 : size("brow_hidden")};
+    has_all_sizes = m.sizes.width > 0 && m.sizes.condition > 0 && m.sizes.diffusion_hidden > 0 &&
+                    m.sizes.blink_hidden > 0 && (version == 1 || m.sizes.brow_hidden > 0);
     m.look_ahead_mel_frames = json.at("look_ahead_mel_frames").get<std::int64_t>();
     m.training_config = json.at("training").at("config").get<std::string>();
     m.training_set = json.at("training").at("set").get<std::string>();
   } catch (const Json::exception& e) {
     return broken(e.what());
   }
-  if (m.sizes.width == 0 || m.sizes.condition == 0 || m.sizes.diffusion_hidden == 0 ||
-      m.sizes.blink_hidden == 0)
-    return broken("a layer size is not within 1 ... 4096");
+  if (!has_all_sizes) return broken("a layer size is not within 1 ... 4096");
   if (m.look_ahead_mel_frames < 0 || m.look_ahead_mel_frames > 100)
     return broken("the look-ahead is not within 0 ... 1 s");
   return m;

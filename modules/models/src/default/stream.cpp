@@ -6,6 +6,7 @@
 #include <deque>
 
 #include "blink_events.h"
+#include "brow_events.h"
 #include "condition.h"
 #include "lip_contact.h"
 #include "mien/base/contract.h"
@@ -20,7 +21,6 @@ namespace {
 namespace dm = default_model;
 
 constexpr std::uint32_t kLatentStream = 3;
-constexpr std::int64_t kSmootherReach = 2;  // frames to either side
 constexpr std::array<float, 5> kSmoother = {1.0f / 16, 4.0f / 16, 6.0f / 16, 4.0f / 16, 1.0f / 16};
 constexpr std::int64_t kBatch = 64;         // frames that go through the networks together, at most
 constexpr std::int64_t kClosingFrames = 9;  // of the last frames, over which the mouth shuts
@@ -39,11 +39,17 @@ struct MeanFrame {
 
 struct DefaultStream::State {
   State(const DefaultModel& m, const PerformOptions& o)
-      : model(m), options(o), front(m), upper(m, o.seed, o.sampler, o.num_steps), blinks(m, o.seed) {
+      : model(m),
+        options(o),
+        front(m),
+        upper(m, o.seed, o.sampler, o.num_steps),
+        blinks(model.network().blink, o.seed),
+        brows(model.network().brow, o.seed) {
     contract(o.num_steps >= 1, "PerformOptions: num_steps must be at least 1");
     NoiseField(o.seed, kLatentStream).normal(0, 0, latents);
     for (float& z : latents) z = std::clamp(z * static_cast<float>(o.variety), -2.5f, 2.5f);
-    recent_features = Tensor({dm::kChunkFrames - 1, m.metadata().sizes.width});
+    recent_features = Tensor({dm::kGroupFrames - 1, m.metadata().sizes.width});
+    context = Tensor({1, dm::kContextGroups * m.metadata().sizes.width});
   }
 
   // Hears up to kBatch more frames; false when nothing new can be heard.
@@ -64,30 +70,41 @@ struct DefaultStream::State {
       frame.closed_probability = 1 / (1 + std::exp(-events.row(i)[0]));
       means.push_back(frame);
     }
-    // Chunk k begins at frame 12 k and hears the features of frames 12 k - 11 ... 12 k.
     const Tensor around = Operations<Tensor>::concat_rows({recent_features, features});
-    const auto reach = dm::kChunkFrames - 1;
+    constexpr auto kReach = dm::kGroupFrames - 1;
     for (std::int64_t i = 0; i < count; ++i) {
-      if ((num_heard + i) % dm::kChunkFrames != 0) continue;
-      if (num_heard + i == 0) upper.start_from(means.front().face);
-      add_chunk(mien::rows(around, i, dm::kChunkFrames), seconds[static_cast<std::size_t>(i)]);
+      const std::int64_t n = num_heard + i;
+      if (n % dm::kGroupFrames != 0) continue;
+      add_group(mien::rows(around, i, dm::kGroupFrames));
+      if (n == 0) upper.start_from(means.front().face);
+      decide(n);
     }
-    recent_features = mien::rows(around, around.num_rows() - reach, reach);
+    recent_features = mien::rows(around, around.num_rows() - kReach, kReach);
     num_heard += count;
     return true;
   }
 
-  void add_chunk(const Tensor& features, double seconds) {
-    const auto& network = model.network();
-    constexpr std::int64_t kGroup = dm::kChunkFrames / dm::kContextGroups;
+  // Appends the mean of a group of features to the speech context, which forgets its oldest group.
+  void add_group(const Tensor& features) {
     const std::int64_t width = features.width();
-    Tensor speech({1, dm::kContextGroups * width});
-    for (std::int64_t i = 0; i < dm::kChunkFrames; ++i)
+    std::copy(context.data() + width, context.data() + context.count(), context.data());
+    float* mean = context.data() + context.count() - width;
+    std::fill_n(mean, width, 0.0f);
+    for (std::int64_t i = 0; i < dm::kGroupFrames; ++i)
       for (std::int64_t c = 0; c < width; ++c)
-        speech.data()[i / kGroup * width + c] += features.data()[i * width + c] / static_cast<float>(kGroup);
+        mean[c] += features.data()[i * width + c] / static_cast<float>(dm::kGroupFrames);
+  }
+
+  // Lets every path whose step begins when frame n is heard decide it.
+  void decide(std::int64_t n) {
+    const auto& network = model.network();
+    const double seconds = static_cast<double>(n) / kFps;
     const auto input = dm::condition_input(options.direction, {&seconds, 1}, latents);
-    upper.add_chunk(speech, network.diffusion.condition(input));
-    blinks.add_chunk(speech, network.blink.condition(input));
+    if (n % dm::kChunkFrames == 0) {
+      upper.add_chunk(context, network.diffusion.condition(input));
+      blinks.add_step(context, network.blink.condition(input));
+    }
+    if (model.metadata().sizes.brow_hidden > 0) brows.add_step(context, network.brow.condition(input));
   }
 
   [[nodiscard]] const MeanFrame& mean_at(std::int64_t n) const {
@@ -111,9 +128,9 @@ struct DefaultStream::State {
     const auto& statistics = model.network().statistics;
     std::array<float, kNumFace> face{};
     dm::LipEvidence evidence;
-    for (std::int64_t k = -kSmootherReach; k <= kSmootherReach; ++k) {
+    for (std::int64_t k = -dm::kSmootherReach; k <= dm::kSmootherReach; ++k) {
       const MeanFrame& m = mean_at(next + k);
-      const float w = kSmoother[static_cast<std::size_t>(k + kSmootherReach)];
+      const float w = kSmoother[static_cast<std::size_t>(k + dm::kSmootherReach)];
       for (std::size_t i = 0; i < kNumLower; ++i) face[i] += w * m.face[i];
       evidence.closed_probability += w * m.closed_probability;
     }
@@ -127,6 +144,7 @@ struct DefaultStream::State {
           dm::smooth_step(static_cast<float>(num_frames - 1 - next) / static_cast<float>(kClosingFrames));
     dm::correct_lips(evidence, face);
     decode_face(face, channels);
+    apply_brow_raise(channels, brows.height(next));
     apply_blink(channels, blinks.closure(next));
   }
 
@@ -135,9 +153,11 @@ struct DefaultStream::State {
   dm::SpeechFront front;
   dm::UpperFace upper;
   dm::BlinkEvents blinks;
+  dm::BrowEvents brows;
   std::array<float, dm::kNumLatents> latents{};
   CausalState<Tensor> mean_state;
-  Tensor recent_features;       // the last 11 frames
+  Tensor recent_features;       // the last 3 frames
+  Tensor context;               // [1, 3 W] the last groups' means
   std::deque<MeanFrame> means;  // from frame means_start on
   std::int64_t means_start = 0;
   std::int64_t num_heard = 0;  // frames that went through the networks
@@ -167,11 +187,11 @@ void DefaultStream::finish() {
 bool DefaultStream::pop(std::span<float, kNumChannels> frame) {
   State& s = *state_;
   if (s.num_frames >= 0 && s.next >= s.num_frames) return false;
-  while (s.num_heard <= s.next + kSmootherReach)
+  while (s.num_heard <= s.next + dm::kSmootherReach)
     if (!s.hear()) return false;
   s.compose(frame);
   ++s.next;
-  for (; s.means_start < s.next - kSmootherReach; ++s.means_start) s.means.pop_front();
+  for (; s.means_start < s.next - dm::kSmootherReach; ++s.means_start) s.means.pop_front();
   s.front.drop_loudness_before(5 * s.next / 3 - kLoudestBefore - kAverageBefore - 2);
   return true;
 }

@@ -26,7 +26,7 @@ struct DefaultTrainingOptions {
   double level_offset_sd_db = 4;  ///< of the input level, so that the normaliser need not be exact
   double difference_weight = 2, aperture_weight = 2, upper_weight = 0.2, viseme_weight = 0.1,
          event_weight = 0.1;
-  // Diffusion and blink paths.
+  // Diffusion, blink and brow paths.
   std::int64_t sequence_chunks = 56;  ///< of 200 ms
   std::int64_t sequence_batch = 24;
   std::int64_t times_per_chunk = 3;
@@ -57,7 +57,7 @@ class MeanStage {
   torch::Tensor weights_;  // [45]
 };
 
-/// What stages 2 and 3 see of an entry, computed once with the frozen encoder: per chunk the speech context,
+/// What stages 2 to 4 see of an entry, computed once with the frozen encoder: per chunk the speech context,
 /// and the mean path's first frame for the history of a first chunk. Kept as half floats in one file.
 Status write_chunk_features(const TrainingSet& set, Network& network, const DefaultTrainingOptions& options,
                             const std::filesystem::path& path, Progress& progress);
@@ -91,19 +91,25 @@ class DiffusionStage {
   std::vector<std::size_t> entries_;  // long enough for a sequence
 };
 
-/// Stage 3: when blinks begin, by likelihood.
-class BlinkStage {
+/// Stages 3 and 4: when blinks and raises of the brows begin, by likelihood, and how large a raise is.
+class EventStage {
  public:
-  BlinkStage(const TrainingSet& set, const ChunkFeatures& features, Network& network,
-             const DefaultTrainingOptions& options);
+  enum class Events { blinks, brow_raises };
+  EventStage(const TrainingSet& set, const ChunkFeatures& features, Network& network,
+             const DefaultTrainingOptions& options, Events events);
   [[nodiscard]] std::vector<Collect::Entry> parameters();
+  /// Negative log-likelihood of a step.
   torch::Tensor loss(std::int64_t step);
 
  private:
+  struct Event;
+  [[nodiscard]] Event event_at(std::int64_t take, const TrainingSet::Entry& entry, std::int64_t n) const;
   const TrainingSet& set_;
   const ChunkFeatures& features_;
-  Network& network_;
   DefaultTrainingOptions options_;
+  Events events_;
+  const char* name_;
+  default_model::EventPath<torch::Tensor>& path_;
   std::vector<std::size_t> entries_;
 };
 

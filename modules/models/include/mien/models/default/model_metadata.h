@@ -10,7 +10,8 @@ namespace mien::default_model {
 /// What a model file says of itself, beside its weights: the JSON under "mien.model" in the safetensors
 /// metadata.
 struct ModelMetadata {
-  static constexpr int kFormatVersion = 1;
+  /// 2: with a brow path. Version 1, without, still loads: diffusion makes its raises.
+  static constexpr int kFormatVersion = 2;
   std::string name;
   Sizes sizes;
   std::int64_t look_ahead_mel_frames = 14;

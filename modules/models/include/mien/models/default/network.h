@@ -19,7 +19,13 @@ inline constexpr std::int64_t kEmotionEntries = 9;  // 8 emotions and "unknown"
 inline constexpr std::int64_t kNumLatents = 3;  // take-level strength of jaw, lips and expression, N(0, 1)
 inline constexpr std::int64_t kNumVisemes = 28;
 inline constexpr std::int64_t kNumTimeFeatures = 32;
-inline constexpr std::int64_t kNumBlinkClasses = kChunkFrames + 1;  // onset in frame 0 ... 11, or none
+inline constexpr std::int64_t kSmootherReach =
+    2;  // frames to either side that a frame that comes out waits for
+
+// What the later paths know of the speech: means of the features over groups of four frames. A group ends at
+// a frame that four divides; a chunk knows the three that end at or before its first frame.
+inline constexpr std::int64_t kContextGroups = 3;
+inline constexpr std::int64_t kGroupFrames = kChunkFrames / kContextGroups;
 
 /// Sizes that a model file states.
 struct Sizes {
@@ -27,6 +33,7 @@ struct Sizes {
   std::int64_t condition = 64;  // C
   std::int64_t diffusion_hidden = 256;
   std::int64_t blink_hidden = 128;
+  std::int64_t brow_hidden = 128;  // 0: no brow path, in models of format version 1
 };
 
 /// Who speaks and in what mood, as weights of table entries: style [.., 1 or N, 13] sums to 1; emotion [.., 1
@@ -126,10 +133,6 @@ struct MeanPath {
   }
 };
 
-/// What a chunk knows of the speech: means of the features over three groups of four frames that end at its
-/// first frame. [.., K, 3 W].
-inline constexpr std::int64_t kContextGroups = 3;
-
 /// Chunk diffusion of the upper face, gaze and head, predicting x0 (docs/default_model.md, section 4). One
 /// recurrent step a chunk reads the clean past; the small head runs once a diffusion step.
 template <class T>
@@ -215,18 +218,50 @@ struct DiffusionPath {
 /// number, so that any subset of steps is legal.
 std::array<float, kNumTimeFeatures> time_features(double half_log_snr);
 
-/// When a blink begins: a distribution over the frames of a chunk, or none. Trained by likelihood, so its
-/// rate is calibrated.
+/// Events that an event path decides step after step: at most one begins in a step. Step k decides about
+/// frames `frames` k + `offset` and the `frames` - 1 after it when it has heard the features up to frame
+/// `frames` k.
+struct EventKind {
+  std::int64_t frames;  // of a step
+  std::int64_t offset;  // 0 or negative: how far the first decided frame lies before the last one heard
+  std::int64_t groups;  // of speech context that a step reads
+  bool has_size;        // one more output: the expected logarithm of the event's size
+
+  /// Class 0 is "none", 1 + f is onset in frame f of the step.
+  [[nodiscard]] constexpr std::int64_t num_classes() const { return frames + 1; }
+  [[nodiscard]] constexpr std::int64_t num_outputs() const { return num_classes() + (has_size ? 1 : 0); }
+  /// One-hot class of the previous step, and the time since the last onset.
+  [[nodiscard]] constexpr std::int64_t num_history() const { return num_classes() + 1; }
+};
+inline constexpr EventKind kBlinks{kChunkFrames, 0, kContextGroups, false};
+/// A raise answers an accent that must have been heard, so brows decide late: every four frames, and about
+/// frames that the smoother holds back anyway.
+inline constexpr EventKind kBrowRaises{kGroupFrames, -kSmootherReach, 1, true};
+inline constexpr double kTypicalRaise = 0.2;    // the size output is ln(amplitude / this)
+inline constexpr double kRaiseLogSpread = 0.3;  // sd of ln(amplitude) around it: that of one speaker's raises
+
+/// Frames from the onset of a raise as the brow path learns it to the true raise's centre. The true raise
+/// begins about 240 ms before its accent, when the accent cannot have been heard. The path hears 142 to 192
+/// ms beyond the onset it decides (by its place in the step); an onset 17 ms before the centre, which lies
+/// around 20 ms before the accent, leaves 105 to 155 ms of sound after the accent. The top, 120 ms after the
+/// onset (mien/motion/brow_raise.h), then lies some 85 ms after the accent: inside the 150 ms in which brows
+/// and accents are taken to belong together (docs/metrics.md), with room for the scatter of 40 ms.
+inline constexpr std::int64_t kRaiseOnsetBeforeCentre = 1;
+
+/// When events begin: a distribution over the frames of a step, or none. Trained by likelihood, so their rate
+/// is calibrated.
 template <class T>
-struct BlinkPath {
+struct EventPath {
+  EventKind kind;
   std::int64_t width = 0, condition_width = 0, hidden = 0;
   static constexpr std::int64_t kAudio = 64;
   Condition<T> condition{condition_width};
-  Linear<T> audio{kContextGroups * width, kAudio};
-  GruLayer<T> gru{kAudio + kNumBlinkClasses + 1 + condition_width, hidden};
-  Linear<T> out{hidden, kNumBlinkClasses};
+  Linear<T> audio{kind.groups * width, kAudio};
+  GruLayer<T> gru{kAudio + kind.num_history() + condition_width, hidden};
+  Linear<T> out{hidden, kind.num_outputs()};
 
-  BlinkPath(std::int64_t w, std::int64_t c, std::int64_t h) : width(w), condition_width(c), hidden(h) {}
+  EventPath(const EventKind& k, std::int64_t w, std::int64_t c, std::int64_t h)
+      : kind(k), width(w), condition_width(c), hidden(h) {}
   template <class V>
   void visit(V& v) {
     v.scope("condition", condition);
@@ -235,9 +270,8 @@ struct BlinkPath {
     v.scope("out", out);
   }
 
-  /// speech [.., K, 3 W]; history [.., K, 14]: one-hot class of the previous chunk and ln(1 + 0.2 chunks
-  /// since the last onset); c [.., 1 or K, C]; state [.., 1, hidden] -> logits [.., K, 13]; class 0 is
-  /// "none", 1 + f is onset in frame f.
+  /// speech [.., K, groups W]; history [.., K, num_history] = EventHistory; c [.., 1 or K, C]; state [.., 1,
+  /// hidden] -> [.., K, num_outputs]: logits of the classes, then the size where the kind has one.
   T operator()(const T& speech, const T& history, const T& c, T& state) const {
     using B = Operations<T>;
     const T q = B::silu(audio(speech));
@@ -266,7 +300,8 @@ struct Network {
   SpeechEncoder<T> encoder{sizes.width};
   MeanPath<T> mean{sizes.width, sizes.condition};
   DiffusionPath<T> diffusion{sizes.width, sizes.condition, sizes.diffusion_hidden};
-  BlinkPath<T> blink{sizes.width, sizes.condition, sizes.blink_hidden};
+  EventPath<T> blink{kBlinks, sizes.width, sizes.condition, sizes.blink_hidden};
+  EventPath<T> brow{kBrowRaises, sizes.width, sizes.condition, sizes.brow_hidden};
   Statistics<T> statistics;
 
   explicit Network(const Sizes& s) : sizes(s) {}
@@ -276,6 +311,7 @@ struct Network {
     v.scope("mean", mean);
     v.scope("diffusion", diffusion);
     v.scope("blink", blink);
+    if (sizes.brow_hidden > 0) v.scope("brow", brow);
     v.scope("statistics", statistics);
   }
 };

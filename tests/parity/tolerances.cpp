@@ -11,6 +11,8 @@ namespace {
 // of it or below. Doubles: a few roundings of the recorded value.
 constexpr std::array kTolerances = {
     Tolerance{"schedule", 1e-15, 2e-12, "double; 1 - alpha_bar loses digits near the clean end"},
+    Tolerance{"qp optimum", 1e-8, 0, "double; the recorded optimum is exact to 1e-15"},
+    Tolerance{"qp objective", 0, 1e-9, "double"},
 };
 
 }  // namespace

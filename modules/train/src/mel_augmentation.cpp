@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 #include "mien/audio/log_mel.h"
 #include "mien/base/contract.h"
@@ -52,6 +53,32 @@ void mask(std::span<float> mel, Rng& rng) {
   std::fill_n(mel.data() + first * kBands, width * kBands, kMasked);
 }
 
+// Of the frames' values, what 95 % lie below.
+double ninety_fifth(std::vector<double> values) {
+  const auto at = static_cast<std::ptrdiff_t>(0.95 * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), values.begin() + at, values.end());
+  return values[static_cast<std::size_t>(at)];
+}
+
+// Level of the loud frames as the running level measures it (mean of ln power over bands), and as ln mean
+// power.
+struct Loudness {
+  double level, power;
+};
+Loudness loudness(std::span<const float> mel) {
+  std::vector<double> levels, powers;
+  for (std::size_t t = 0; t < num_frames(mel); ++t) {
+    double level = 0, power = 0;
+    for (const float v : mel.subspan(t * kBands, kBands)) {
+      level += v / static_cast<double>(kBands);
+      power += std::exp(static_cast<double>(v)) / static_cast<double>(kBands);
+    }
+    levels.push_back(level);
+    powers.push_back(power);
+  }
+  return {ninety_fifth(std::move(levels)), std::log(ninety_fifth(std::move(powers)))};
+}
+
 }  // namespace
 
 void add_reverberation(std::span<float> mel, double rt60_s, double tail_ratio) {
@@ -70,10 +97,14 @@ void add_reverberation(std::span<float> mel, double rt60_s, double tail_ratio) {
 }
 
 void add_noise(std::span<float> mel, double snr_db, Rng& rng) {
+  if (mel.empty()) return;
+  const Loudness before = loudness(mel);
+  // Loud frames lie about 4 dB above the mean power of speech.
+  const double power = before.power - (snr_db + 4) * kNepersPerDb;
   // Spectrum: a tilt and three slow cosines over the bands. It wavers from frame to frame as the energy of
   // few samples of noise does, and in half of the cases as a whole too, as voices and machines do.
   std::array<float, kBands> spectrum;
-  const double tilt = rng.uniform(-3.0, 1.0);
+  const double tilt = rng.uniform(-4.0, 1.0);
   std::array<double, 3> wave, phase;
   for (std::size_t i = 0; i < wave.size(); ++i) {
     wave[i] = rng.normal(0, 0.6);
@@ -81,7 +112,7 @@ void add_noise(std::span<float> mel, double snr_db, Rng& rng) {
   }
   for (std::size_t b = 0; b < kBands; ++b) {
     const double x = static_cast<double>(b) / (kBands - 1);
-    double value = -snr_db * kNepersPerDb + tilt * (x - 0.5);
+    double value = power + tilt * (x - 0.5);
     for (std::size_t i = 0; i < wave.size(); ++i)
       value += wave[i] * std::cos(std::numbers::pi * static_cast<double>(i + 1) * x + phase[i]);
     spectrum[b] = static_cast<float>(value);
@@ -96,6 +127,8 @@ void add_noise(std::span<float> mel, double snr_db, Rng& rng) {
       row[b] = log_sum(row[b], spectrum[b] + waver);
     }
   }
+  const auto rise = static_cast<float>(loudness(mel).level - before.level);
+  for (float& v : mel) v -= rise;
 }
 
 void augment_mel(std::span<float> mel, double level_offset_sd_db, Rng& rng) {
@@ -106,7 +139,7 @@ void augment_mel(std::span<float> mel, double level_offset_sd_db, Rng& rng) {
   for (float& o : offset) o = static_cast<float>(rng.normal(0, 0.15));
   warp_bands(mel, warp, offset);
   if (rng.chance(0.35)) add_reverberation(mel, rng.uniform(0.1, 0.8), rng.uniform(0.02, 0.5));
-  if (rng.chance(0.5)) add_noise(mel, rng.uniform(0, 30), rng);
+  if (rng.chance(0.5)) add_noise(mel, rng.uniform(2, 30), rng);
   for (float& v : mel) v += level;
   mask(mel, rng);
 }

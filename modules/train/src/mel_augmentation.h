@@ -17,7 +17,9 @@ void augment_mel(std::span<float> mel, double level_offset_sd_db, Rng& rng);
 /// @param tail_ratio  energy of the tail / energy of the direct sound
 void add_reverberation(std::span<float> mel, double rt60_s, double tail_ratio);
 
-/// Noise `snr_db` below the level of loud speech, with a smooth random spectrum.
+/// Noise with a smooth random spectrum, its power `snr_db` below the power of the loud frames. As white noise
+/// covers the weak upper bands, the frames' level rises; the crop is set back to the level it had, as the
+/// running level would do.
 void add_noise(std::span<float> mel, double snr_db, Rng& rng);
 
 }  // namespace mien::train

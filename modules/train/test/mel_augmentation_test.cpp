@@ -43,8 +43,27 @@ TEST(MelAugmentation, NoiseFillsTheQuietAndLeavesTheLoud) {
     quiet += mean_of_frame(mel, 80) / kTrials;
     loud += mean_of_frame(mel, 20) / kTrials;
   }
-  EXPECT_NEAR(quiet, -20 * std::log(10.0) / 10, 0.5);
-  EXPECT_NEAR(loud, 0.02, 0.03);
+  EXPECT_NEAR(quiet, -24 * std::log(10.0) / 10, 0.6);
+  EXPECT_NEAR(loud, 0, 0.03);
+}
+
+TEST(MelAugmentation, NoiseInWeakBandsLeavesTheLevelWhereItWas) {
+  // Speech: strong low bands, upper ones 30 dB weaker. White noise 10 dB below covers the upper ones.
+  double after = 0, contrast = 0, before = 0;
+  constexpr int kTrials = 40;
+  for (int i = 0; i < kTrials; ++i) {
+    std::vector<float> mel(static_cast<std::size_t>(100 * kBands));
+    for (std::size_t j = 0; j < mel.size(); ++j) mel[j] = j % kBands < 16 ? 4.0f : -2.9f;
+    before = mean_of_frame(mel, 50);
+    Rng rng(static_cast<std::uint64_t>(i));
+    add_noise(mel, 10, rng);
+    for (std::int64_t t = 0; t < 100; ++t) after += mean_of_frame(mel, t) / 100 / kTrials;
+    for (std::size_t t = 0; t < 100; ++t)
+      contrast += (mel[t * kBands + 5] - mel[t * kBands + 40]) / 100 / kTrials;
+  }
+  EXPECT_NEAR(after, before, 1.0) << "loud frames are where they were, others a little lower";
+  EXPECT_LT(contrast, 5.0) << "6.9 without the noise";
+  EXPECT_GT(contrast, 3.0);
 }
 
 TEST(MelAugmentation, IsTheSameForASeedAndAlwaysFinite) {

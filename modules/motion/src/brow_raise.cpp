@@ -22,8 +22,7 @@ void raise(float& coefficient, float r) { coefficient += r * (1 - coefficient); 
 double brow_raise_shape(const BrowRaise& raise, double t) {
   if (t <= 0 || t >= raise.seconds()) return 0;
   if (t < raise.rise_s) return smooth_step(t / raise.rise_s);
-  t -= raise.rise_s + raise.hold_s;
-  return t <= 0 ? 1 : 1 - smooth_step(t / raise.fall_s);
+  return 1 - smooth_step((t - raise.rise_s) / raise.fall_s);
 }
 
 float brow_height(std::span<const BrowRaise> raises, double t_s) {
@@ -34,8 +33,7 @@ float brow_height(std::span<const BrowRaise> raises, double t_s) {
 
 BrowRaise draw_brow_raise(Rng& rng) {
   BrowRaise r;
-  r.rise_s = 1e-3 * std::clamp(rng.normal(120, 15), 100.0, 140.0);
-  r.hold_s = 0.080;
+  r.rise_s = 1e-3 * std::clamp(rng.normal(105, 10), 90.0, 120.0);
   r.fall_s = 1e-3 * std::clamp(rng.normal(350, 80), 200.0, 600.0);
   return r;
 }

@@ -3,6 +3,7 @@
 #include "chunk_sequence.h"
 #include "mien/base/hash.h"
 #include "mien/models/default/event_history.h"
+#include "raise_target.h"
 
 namespace mien::train {
 namespace {
@@ -38,8 +39,7 @@ EventStage::Event EventStage::event_at(std::int64_t take, const TrainingSet::Ent
                                        std::int64_t n) const {
   if (n < 0 || n >= entry.num_frames) return {};
   if (events_ == Events::blinks) return {set_.blink_onset(take, entry.frame_start + n), 0};
-  const std::int64_t centre = n + dm::kRaiseOnsetBeforeCentre;
-  const float amplitude = centre < entry.num_frames ? set_.brow_raise(take, entry.frame_start + centre) : 0;
+  const float amplitude = raise_that_begins(set_, take, entry, n);
   if (amplitude <= 0) return {};
   return {true, static_cast<float>(std::log(static_cast<double>(amplitude) / dm::kTypicalRaise))};
 }

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <numeric>
 
+#include "../src/raise_target.h"
 #include "mien/base/hash.h"
 #include "mien/train/default_model.h"
 
@@ -52,6 +53,9 @@ fs::path write_small_set(const fs::path& folder) {
     }
   for (std::int64_t i = 0; i < n; ++i)
     viseme.push_back(loud(static_cast<double>(i % kFrames) / 60) > 0.5 ? 14 : 0);
+  // The raises of the first two entries belong to accents three frames after their centres.
+  auto accent = flags;
+  for (std::int64_t i = 0; i < 2 * kFrames; ++i) accent[static_cast<std::size_t>(i)] = i % 90 == 33;
   for (std::int64_t i = 0; i <= kEntries; ++i)
     mel_start.push_back(i * kMel), frame_start.push_back(i * kFrames);
   EXPECT_TRUE(writer->write_float("mel", mel));
@@ -62,7 +66,7 @@ fs::path write_small_set(const fs::path& folder) {
   EXPECT_TRUE(writer->write("brow_raise", raise));
   EXPECT_TRUE(writer->write("viseme", viseme));
   EXPECT_TRUE(writer->write("closure", flags));
-  EXPECT_TRUE(writer->write("accent", flags));
+  EXPECT_TRUE(writer->write("accent", accent));
   EXPECT_TRUE(writer->write("mel_start", mel_start));
   EXPECT_TRUE(writer->write("frame_start", frame_start));
   EXPECT_TRUE(writer->write("style", style));
@@ -166,6 +170,17 @@ TEST_F(DefaultTraining, DiffusionAndEventPathsLearn) {
   EventStage brow(*set_, *features, network, options_, EventStage::Events::brow_raises);
   const auto r = losses(brow, 120, 0, "brow");
   EXPECT_LT(r.back(), 0.3 * r.front());  // every 90 frames, always 64 / 255
+}
+
+TEST_F(DefaultTraining, RaisesBeginAtTheirAccentOrNearTheirCentre) {
+  for (const std::size_t entry : {0u, 3u}) {
+    const std::int64_t onset = entry == 0 ? 33 : 31;
+    for (std::int64_t n = -5; n < 365; ++n) {
+      const bool begins = n >= 0 && n < 360 && n % 90 == onset;
+      EXPECT_FLOAT_EQ(raise_that_begins(*set_, 1, set_->entries()[entry], n), begins ? 64.0f / 255 : 0)
+          << "entry " << entry << " frame " << n;
+    }
+  }
 }
 
 TEST_F(DefaultTraining, SavedParametersLoadAgainAndRefuseOtherSizes) {

@@ -5,31 +5,29 @@
 
 namespace mien {
 
-/// One raise of the brows: a bump of the shape that the corpus specification, section 7, gives to raises at
-/// accents, placed by its onset, so that a raise that is decided at an instant changes nothing before it.
-/// Times in seconds.
+/// One raise of the brows, placed by its onset, so that a raise that is decided at an instant changes nothing
+/// before it. Times in seconds.
 struct BrowRaise {
   double onset_s = 0;    ///< instant at which the brows start to rise
   double rise_s = 0;     ///< from rest to the top
-  double hold_s = 0;     ///< at the top
   double fall_s = 0;     ///< from the top to rest
   double amplitude = 0;  ///< of browInnerUp, 0 ... 1
 
   /// Duration of the movement.
-  [[nodiscard]] double seconds() const { return rise_s + hold_s + fall_s; }
+  [[nodiscard]] double seconds() const { return rise_s + fall_s; }
 };
 
-/// Shape of a raise of amplitude 1, `t` seconds after its onset: S(u) up, 1 while held, 1 - S(u) down, with
-/// S(u) = u^2 (3 - 2u); 0 outside of [0, seconds()].
+/// Shape of a raise of amplitude 1, `t` seconds after its onset: S(u) up, 1 - S(u) down, with S(u) = u^2 (3 -
+/// 2u); 0 outside of [0, seconds()].
 double brow_raise_shape(const BrowRaise& raise, double t);
 
 /// Height of the brows at time `t_s`: the sum of all raises, at most 1. `raises` need not be sorted.
 float brow_height(std::span<const BrowRaise> raises, double t_s);
 
-/// A raise with random shape: rise N(120, 15) ms in [100, 140], hold 80 ms, fall N(350, 80) ms in [200, 600].
-/// Hold and fall are those of the corpus. The rise is faster than the corpus' 180 ms, because a raise that
-/// waits for its accent to be heard has less time to reach its top near it. Onset and amplitude are left at
-/// zero. Always draws the same number of random values.
+/// A raise with random shape: rise N(105, 10) ms in [90, 120], fall N(350, 80) ms in [200, 600]. Raises of
+/// the corpus fall alike, but rise in 180 ms and stay at the top for 80 ms (its specification, section 7):
+/// they begin well before their accent. A raise that waits for its accent to be heard must hurry. Onset and
+/// amplitude are left at zero. Always draws the same number of random values.
 BrowRaise draw_brow_raise(Rng& rng);
 
 /// Adds the brows' height to the ARKit coefficients of one frame: w += r (1 - w) with r = height for

@@ -240,14 +240,6 @@ inline constexpr EventKind kBrowRaises{kGroupFrames, -kSmootherReach, 1, true};
 inline constexpr double kTypicalRaise = 0.2;    // the size output is ln(amplitude / this)
 inline constexpr double kRaiseLogSpread = 0.3;  // sd of ln(amplitude) around it: that of one speaker's raises
 
-/// Frames from the onset of a raise as the brow path learns it to the true raise's centre. The true raise
-/// begins about 240 ms before its accent, when the accent cannot have been heard. The path hears 142 to 192
-/// ms beyond the onset it decides (by its place in the step); an onset 17 ms before the centre, which lies
-/// around 20 ms before the accent, leaves 105 to 155 ms of sound after the accent. The top, 120 ms after the
-/// onset (mien/motion/brow_raise.h), then lies some 85 ms after the accent: inside the 150 ms in which brows
-/// and accents are taken to belong together (docs/metrics.md), with room for the scatter of 40 ms.
-inline constexpr std::int64_t kRaiseOnsetBeforeCentre = 1;
-
 /// When events begin: a distribution over the frames of a step, or none. Trained by likelihood, so their rate
 /// is calibrated.
 template <class T>

@@ -1,8 +1,8 @@
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <unordered_map>
 
+#include "float_elements.h"
 #include "mien/io/mapped_file.h"
 #include "mien/io/safetensors.h"
 #include "safetensors_header.h"
@@ -11,36 +11,6 @@ namespace mien {
 namespace {
 
 constexpr std::size_t kMaxHeaderSize = 100'000'000;  // limit of the format
-
-float bfloat_to_float(std::uint16_t bits) {
-  return std::bit_cast<float>(static_cast<std::uint32_t>(bits) << 16);
-}
-
-bool is_floating(Dtype dtype) {
-  return dtype == Dtype::f64 || dtype == Dtype::f32 || dtype == Dtype::f16 || dtype == Dtype::bf16;
-}
-
-/// Calls use(i, value) for every element; F64 is narrowed to float first.
-template <class Use>
-void for_each_float(Dtype dtype, std::span<const std::byte> bytes, Use&& use) {
-  const std::size_t size = dtype_size(dtype);
-  for (std::size_t i = 0; i < bytes.size() / size; ++i) {
-    switch (dtype) {
-      case Dtype::f64:
-        use(i, static_cast<float>(*read_le<double>(bytes, i * 8)));
-        break;
-      case Dtype::f32:
-        use(i, *read_le<float>(bytes, i * 4));
-        break;
-      case Dtype::f16:
-        use(i, half_to_float(*read_le<std::uint16_t>(bytes, i * 2)));
-        break;
-      default:
-        use(i, bfloat_to_float(*read_le<std::uint16_t>(bytes, i * 2)));
-        break;
-    }
-  }
-}
 
 std::string shape_text(std::span<const std::int64_t> shape) {
   std::string text = "[";

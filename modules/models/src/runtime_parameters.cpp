@@ -36,7 +36,9 @@ void LoadRuntime::tensor(std::string_view name, Tensor& slot, const Shape& shape
 Status LoadRuntime::finish() const {
   std::string problems = problems_;
   for (const auto& stored : file_.tensors())
-    if (!used_.contains(stored.name))
+    if (!used_.contains(stored.name) &&
+        std::none_of(left_out_.begin(), left_out_.end(),
+                     [&](const std::string& prefix) { return stored.name.starts_with(prefix); }))
       problems += (problems.empty() ? "" : "; ") + ("unknown tensor '" + stored.name + "'");
   if (problems.empty()) return Done{};
   return Error{Errc::incompatible, "weights", problems,

@@ -22,6 +22,30 @@ Tensor Operations<Tensor>::mul(Tensor x, const Tensor& y) {
   return mien::mul(std::move(x), y);
 }
 
+Tensor Operations<Tensor>::gru(const Tensor& x, Tensor& state, const Matrix& w_ih, const Matrix& w_hh,
+                               const Tensor& b_ih, const Tensor& b_hh) {
+  const std::int64_t hidden = w_hh.num_inputs();
+  const Tensor projected = mien::linear(x, w_ih, b_ih);
+  Tensor out = Tensor::uninitialized({x.num_rows(), hidden});
+  for (std::int64_t n = 0; n < x.num_rows(); ++n) {
+    state = gru_step_projected(mien::rows(projected, n, 1), state, w_hh, b_hh);
+    std::copy(state.values().begin(), state.values().end(), out.row(n).begin());
+  }
+  return out;
+}
+
+Tensor Operations<Tensor>::one_hot(const Tensor&, std::int64_t index, std::int64_t width) {
+  contract(index >= 0 && index < width, "one_hot: the index is not below the width");
+  Tensor row({1, width});
+  row.data()[index] = 1;
+  return row;
+}
+
+Tensor Operations<Tensor>::table_row(const Tensor& table, std::int64_t index) {
+  contract(index >= 0 && index < table.num_rows(), "table_row: there is no such row");
+  return Tensor({1, table.width()}, table.row(index));
+}
+
 Tensor Operations<Tensor>::add_one(Tensor x) {
   for (float& v : x.values()) v += 1.0f;
   return x;

@@ -5,8 +5,8 @@
 // without contraction, so every instruction set, and every place of a value in its row, gives the same bits.
 namespace mien::elementwise {
 
-enum class Unary { exp, sigmoid, tanh, silu, gelu, relu };
-inline constexpr int kNumUnary = 6;
+enum class Unary { exp, sigmoid, tanh, silu, gelu, relu, mish };
+inline constexpr int kNumUnary = 7;
 
 struct Kernels {
   /// out[i] = f(in[i]); out may be in. Indexed by Unary.

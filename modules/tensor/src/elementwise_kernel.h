@@ -54,6 +54,14 @@ struct Silu {
 struct Relu {
   static Floats apply(Floats x) { return x < 0.0f ? all(0.0f) : x; }
 };
+/// x tanh(ln(1 + e^x)) = x p / (p + 2) with p = e^x (e^x + 2), where nothing cancels. Beyond 20 it is x.
+struct Mish {
+  static Floats apply(Floats x) {
+    const Floats e = exp_of(x > 20.0f ? all(20.0f) : x);
+    const Floats p = e * (e + 2.0f);
+    return x * (p / (p + 2.0f));
+  }
+};
 /// Relative error below 2e-7: an odd minimax polynomial near 0, exponentials elsewhere.
 struct Tanh {
   static Floats apply(Floats x) {
@@ -160,7 +168,7 @@ void gru_row(const float* gi, const float* gh, const float* h, std::int64_t widt
 }
 
 Kernels kernels() {
-  return {{map<Exp>, map<Sigmoid>, map<Tanh>, map<Silu>, map<Gelu>, map<Relu>},
+  return {{map<Exp>, map<Sigmoid>, map<Tanh>, map<Silu>, map<Gelu>, map<Relu>, map<Mish>},
           layer_norm_row,
           softmax_row,
           gru_row};

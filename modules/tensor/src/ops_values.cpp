@@ -38,6 +38,8 @@ Tensor silu(Tensor x) { return apply(Unary::silu, std::move(x)); }
 Tensor gelu(Tensor x) { return apply(Unary::gelu, std::move(x)); }
 Tensor relu(Tensor x) { return apply(Unary::relu, std::move(x)); }
 
+Tensor mish(Tensor x) { return apply(Unary::mish, std::move(x)); }
+
 Tensor scale(Tensor x, float factor) {
   for (float& value : x.values()) value *= factor;
   return x;

@@ -57,6 +57,8 @@ const Function kFunctions[] = {
     {"silu", silu, elementwise::Unary::silu, [](double x) { return x / (1 + std::exp(-x)); }, 1e-35, 2.5e-7},
     {"gelu", gelu, elementwise::Unary::gelu,
      [](double x) { return 0.5 * x * std::erfc(-x / std::sqrt(2.0)); }, 1e-7, 1e-7},
+    {"mish", mish, elementwise::Unary::mish, [](double x) { return x * std::tanh(std::log1p(std::exp(x))); },
+     1e-35, 4e-7},
     {"relu", relu, elementwise::Unary::relu, [](double x) { return x < 0 ? 0 : x; }, 0, 0},
 };
 
@@ -300,6 +302,34 @@ TEST(Rows, KeepTheirBitsWhateverTheirNumber) {
   for (std::int64_t n = 0; n < whole.size(0); ++n)
     EXPECT_TRUE(same_bits(conv_rows(rows(x, n, 5), taps, row, 3, 2).values(), rows(whole, n, 1).values()))
         << n;
+}
+
+TEST(GroupRows, JoinsNeighboursAndWantsWholeGroups) {
+  const Tensor x({4, 1}, std::vector<float>{1, 2, 3, 4});
+  EXPECT_THAT(group_rows(x, 2).row(1), ElementsAre(3, 4));
+  EXPECT_EQ(group_rows(Tensor({0, 3}), 2).shape(), (Shape{0, 6}));
+  EXPECT_THROW(group_rows(x, 3), std::logic_error);
+}
+
+TEST(ConvolveColumns, CorrelatesWithZerosOutside) {
+  const Tensor x({2, 3}, std::vector<float>{1, 2, 3, 0, 0, 1}),
+      taps({1, 1, 3}, std::vector<float>{1, 10, 100});
+  const Tensor y = convolve_columns(x, taps, Tensor({1}, std::vector<float>{0.5f}));
+  EXPECT_THAT(y.row(0), ElementsAre(210.5f, 321.5f, 32.5f));
+  EXPECT_THAT(y.row(1), ElementsAre(0.5f, 100.5f, 10.5f));
+  const Tensor one = convolve_columns(Tensor({1, 1}, std::vector<float>{2}),
+                                      Tensor({5}, std::vector<float>{1, 1, 3, 1, 1}), Tensor({1}));
+  EXPECT_EQ(one.data()[0], 6) << "narrower than the taps";
+  EXPECT_THROW(convolve_columns(x, Tensor({2}), Tensor({1})), std::logic_error);
+}
+
+TEST(MaxPoolPairs, TakesTheLargerAndKeepsNan) {
+  const Tensor y = max_pool_pairs(Tensor({1, 6}, std::vector<float>{1, 2, 4, 3, kNan, 1}));
+  EXPECT_EQ(y.data()[0], 2);
+  EXPECT_EQ(y.data()[1], 4);
+  EXPECT_TRUE(std::isnan(y.data()[2]));
+  EXPECT_TRUE(std::isnan(max_pool_pairs(Tensor({1, 2}, std::vector<float>{1, kNan})).data()[0]));
+  EXPECT_THROW(max_pool_pairs(Tensor({1, 3})), std::logic_error);
 }
 
 }  // namespace

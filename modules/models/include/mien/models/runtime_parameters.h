@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "mien/io/safetensors.h"
 #include "mien/nn/parameters.h"
@@ -18,6 +19,8 @@ class LoadRuntime : public ParameterVisitor<LoadRuntime> {
   void buffer(std::string_view name, Tensor& slot, const Shape& shape) {
     tensor(name, slot, shape, Init::zero);
   }
+  /// Tensors whose names begin so belong to somebody else: finish() does not ask for them.
+  void leave_out(std::string prefix) { left_out_.push_back(std::move(prefix)); }
   /// Errors (Errc::incompatible): every missing tensor, wrong shape, unknown tensor and value that is not
   /// finite.
   Status finish() const;
@@ -26,6 +29,7 @@ class LoadRuntime : public ParameterVisitor<LoadRuntime> {
   std::vector<float> read(std::string_view name, const Shape& shape);
   const SafetensorsFile& file_;
   std::set<std::string> used_;
+  std::vector<std::string> left_out_;
   std::string problems_;
 };
 

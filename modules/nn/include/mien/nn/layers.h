@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "mien/nn/operations.h"
@@ -41,34 +42,51 @@ struct LayerNorm {
 template <class T>
 struct GruLayer {
   std::int64_t in = 0, hidden = 0;
+  std::string suffix{};  ///< of the parameter names: "_l0" in a Gru of several layers
   typename Operations<T>::Matrix w_ih{}, w_hh{};
   T b_ih{}, b_hh{};
 
   template <class V>
   void visit(V& v) {
-    v.matrix("weight_ih", w_ih, 3 * hidden, in, Init::fan_in);
-    v.matrix("weight_hh", w_hh, 3 * hidden, hidden, Init::fan_in);
-    v.tensor("bias_ih", b_ih, Shape{3 * hidden}, Init::zero);
-    v.tensor("bias_hh", b_hh, Shape{3 * hidden}, Init::zero);
+    v.matrix("weight_ih" + suffix, w_ih, 3 * hidden, in, Init::fan_in);
+    v.matrix("weight_hh" + suffix, w_hh, 3 * hidden, hidden, Init::fan_in);
+    v.tensor("bias_ih" + suffix, b_ih, Shape{3 * hidden}, Init::zero);
+    v.tensor("bias_hh" + suffix, b_hh, Shape{3 * hidden}, Init::zero);
   }
 
   /// x [.., N, in], state [.., 1, hidden] (updated) -> [.., N, hidden].
-  T operator()(const T& x, T& state) const {
+  T operator()(const T& x, T& state) const { return Operations<T>::gru(x, state, w_ih, w_hh, b_ih, b_hh); }
+};
+
+/// GRU layers one on the other, with PyTorch's names: weight_ih_l0, weight_ih_l1 ...
+template <class T>
+struct Gru {
+  std::int64_t in = 0, hidden = 0;
+  std::vector<GruLayer<T>> layers;
+
+  Gru(std::int64_t inputs, std::int64_t width, std::int64_t num_layers) : in(inputs), hidden(width) {
+    for (std::int64_t i = 0; i < num_layers; ++i)
+      layers.push_back({i == 0 ? inputs : width, width, "_l" + std::to_string(i)});
+  }
+  template <class V>
+  void visit(V& v) {
+    for (auto& layer : layers) layer.visit(v);
+  }
+
+  /// x [.., N, in] -> [.., N, hidden], from a state of zeros. `between` changes what each layer but the last
+  /// gives to the next (dropout in training).
+  template <class Between>
+  T operator()(T x, Between&& between) const {
     using B = Operations<T>;
-    const T input_gates = B::linear(x, w_ih, b_ih);
-    std::vector<T> outputs;
-    for (std::int64_t n = 0; n < B::num_rows(x); ++n) {
-      const T gi = B::rows(input_gates, n, 1);
-      const T gh = B::linear(state, w_hh, b_hh);
-      const T reset = B::sigmoid(B::add(B::columns(gi, 0, hidden), B::columns(gh, 0, hidden)));
-      const T update = B::sigmoid(B::add(B::columns(gi, hidden, hidden), B::columns(gh, hidden, hidden)));
-      const T fresh = B::tanh(
-          B::add(B::columns(gi, 2 * hidden, hidden), B::mul(reset, B::columns(gh, 2 * hidden, hidden))));
-      // (1 - update) fresh + update state
-      state = B::add(fresh, B::mul(update, B::add(state, B::scale(fresh, -1.0f))));
-      outputs.push_back(state);
+    for (std::size_t i = 0; i < layers.size(); ++i) {
+      T state = B::zero_rows(x, 1, hidden);
+      x = layers[i](x, state);
+      if (i + 1 < layers.size()) x = between(std::move(x));
     }
-    return B::concat_rows(outputs);
+    return x;
+  }
+  T operator()(const T& x) const {
+    return (*this)(x, [](T y) { return y; });
   }
 };
 

@@ -13,6 +13,16 @@ namespace mien {
 ///   linear(x, matrix, bias)            x [.., N, in] -> [.., N, out]
 ///   layer_norm(x, gamma, beta)         over the last axis, epsilon 1e-5
 ///   gelu(x) silu(x) sigmoid(x) tanh(x) elementwise; gelu in its exact (erf) form
+///   relu(x) mish(x)                    elementwise
+///   gru(x, state, w_ih, w_hh, b_ih, b_hh)  a GRU layer over time, gates r, z, n: x [.., N, in], state [..,
+///   1,
+///                                      hidden] (updated) -> [.., N, hidden]
+///   convolve_columns(x, taps, bias)    along the channel axis, zeros outside; taps [1, 1, odd], bias [1]
+///   max_pool_pairs(x)                  [.., N, 2 D] -> [.., N, D]
+///   group_rows(x, factor)              [.., N factor, D] -> [.., N, factor D]
+///   interpolate_rows(x, positions)     linear in time between neighbouring rows -> [.., positions, D]
+///   one_hot(x, index, width)           a row [.., 1, width] for the batch of x: one at index, else zero
+///   table_row(table, index)            row of a buffer [entries, 1, width] -> [1, width]
 ///   add(x, y) mul(x, y)                elementwise; y may be one row [1, D] for every row of x
 ///   add_one(x) scale(x, s)             x + 1, s x
 ///   num_rows(x)                        N

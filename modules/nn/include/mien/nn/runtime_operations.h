@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "mien/nn/operations.h"
@@ -22,6 +23,20 @@ struct Operations<Tensor> {
   static Tensor silu(Tensor x) { return mien::silu(std::move(x)); }
   static Tensor sigmoid(Tensor x) { return mien::sigmoid(std::move(x)); }
   static Tensor tanh(Tensor x) { return mien::tanh(std::move(x)); }
+  static Tensor relu(Tensor x) { return mien::relu(std::move(x)); }
+  static Tensor mish(Tensor x) { return mien::mish(std::move(x)); }
+  static Tensor gru(const Tensor& x, Tensor& state, const Matrix& w_ih, const Matrix& w_hh,
+                    const Tensor& b_ih, const Tensor& b_hh);
+  static Tensor convolve_columns(const Tensor& x, const Tensor& taps, const Tensor& bias) {
+    return mien::convolve_columns(x, taps, bias);
+  }
+  static Tensor max_pool_pairs(const Tensor& x) { return mien::max_pool_pairs(x); }
+  static Tensor group_rows(const Tensor& x, std::int64_t factor) { return mien::group_rows(x, factor); }
+  static Tensor interpolate_rows(const Tensor& x, std::span<const double> positions) {
+    return mien::interpolate_rows(x, positions);
+  }
+  static Tensor one_hot(const Tensor& x, std::int64_t index, std::int64_t width);
+  static Tensor table_row(const Tensor& table, std::int64_t index);
   static Tensor add(Tensor x, const Tensor& y);
   static Tensor mul(Tensor x, const Tensor& y);
   static Tensor add_one(Tensor x);

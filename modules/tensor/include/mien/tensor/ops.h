@@ -52,6 +52,7 @@ Tensor tanh(Tensor x);     ///< relative error below 2e-7
 Tensor silu(Tensor x);     ///< x sigmoid(x), relative error below 2.5e-7
 Tensor gelu(Tensor x);     ///< x / 2 (1 + erf(x / sqrt(2))), the exact form; error below 1e-7 (1 + |gelu(x)|)
 Tensor relu(Tensor x);
+Tensor mish(Tensor x);  ///< x tanh(ln(1 + e^x)), relative error below 4e-7
 Tensor scale(Tensor x, float factor);
 
 /// b has the shape of a, or is one row [D] for all rows of a [..., D].
@@ -79,6 +80,16 @@ Tensor concat_rows(const Tensor& a, const Tensor& b);
 Tensor rows(const Tensor& x, std::int64_t start, std::int64_t count);
 /// x [..., D] -> [..., count] from column `start` on. @pre rank >= 1
 Tensor columns(const Tensor& x, std::int64_t start, std::int64_t count);
+
+/// x [N factor, D] -> [N, factor D]: each row of the result is `factor` rows of x. @pre factor divides the
+/// rows
+Tensor group_rows(const Tensor& x, std::int64_t factor);
+
+/// Convolution along each row, zeros outside: y[i] = bias + sum over j of taps[j] x[i + j - (taps - 1) / 2].
+/// @param taps  [K], K odd;  bias  [1]
+Tensor convolve_columns(const Tensor& x, const Tensor& taps, const Tensor& bias);
+/// The larger of each two neighbouring values: x [..., 2 D] -> [..., D].
+Tensor max_pool_pairs(const Tensor& x);
 
 /// table [V, D] -> [indices.size(), D]. @pre 0 <= index < V
 Tensor embedding_rows(const Tensor& table, std::span<const std::int64_t> indices);

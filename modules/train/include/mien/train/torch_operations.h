@@ -1,7 +1,10 @@
 #pragma once
 #include <torch/torch.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "mien/nn/operations.h"
@@ -24,6 +27,52 @@ struct Operations<torch::Tensor> {
   static T silu(const T& x) { return torch::silu(x); }
   static T sigmoid(const T& x) { return torch::sigmoid(x); }
   static T tanh(const T& x) { return torch::tanh(x); }
+  static T relu(const T& x) { return torch::relu(x); }
+  static T mish(const T& x) { return torch::mish(x); }
+  static T gru(const T& x, T& state, const Matrix& w_ih, const Matrix& w_hh, const T& b_ih, const T& b_hh) {
+    // LibTorch wants [layers, batch, hidden] for the state.
+    auto [y, last] = torch::gru(x, state.transpose(0, 1).contiguous(), {w_ih, w_hh, b_ih, b_hh},
+                                /*has_biases=*/true, /*num_layers=*/1, /*dropout=*/0.0, /*train=*/false,
+                                /*bidirectional=*/false, /*batch_first=*/true);
+    state = last.transpose(0, 1);
+    return y;
+  }
+  static T convolve_columns(const T& x, const T& taps, const T& bias) {
+    const T flat = x.reshape({-1, 1, x.size(-1)});
+    return torch::conv1d(flat, taps, bias, /*stride=*/1, /*padding=*/taps.size(-1) / 2).reshape(x.sizes());
+  }
+  static T max_pool_pairs(const T& x) {
+    auto shape = x.sizes().vec();
+    shape.back() /= 2;
+    return torch::max_pool1d(x.reshape({-1, 1, x.size(-1)}), 2).reshape(shape);
+  }
+  static T group_rows(const T& x, std::int64_t factor) {
+    auto shape = x.sizes().vec();
+    shape[shape.size() - 2] /= factor;
+    shape.back() *= factor;
+    return x.reshape(shape);
+  }
+  static T interpolate_rows(const T& x, std::span<const double> positions) {
+    const auto count = static_cast<std::int64_t>(positions.size()), last = x.size(-2) - 1;
+    const T before = torch::empty({count}, torch::kLong), part = torch::empty({count, 1});
+    for (std::int64_t i = 0; i < count; ++i) {
+      const double inside =
+          std::clamp(positions[static_cast<std::size_t>(i)], 0.0, static_cast<double>(last));
+      before.data_ptr<std::int64_t>()[i] = static_cast<std::int64_t>(inside);
+      part.data_ptr<float>()[i] = static_cast<float>(inside - std::floor(inside));
+    }
+    const T from = x.index_select(-2, before.to(x.device()));
+    const T to = x.index_select(-2, torch::clamp(before + 1, 0, last).to(x.device()));
+    return from + part.to(x.device()) * (to - from);
+  }
+  static T one_hot(const T& x, std::int64_t index, std::int64_t width) {
+    T row = zero_rows(x, 1, width);
+    row.select(-1, index).fill_(1);
+    return row;
+  }
+  static T table_row(const T& table, std::int64_t index) {
+    return table.reshape({-1, table.size(-1)}).narrow(0, index, 1);
+  }
   static T add(const T& x, const T& y) { return x + y; }
   static T mul(const T& x, const T& y) { return x * y; }
   static T add_one(const T& x) { return x + 1; }

@@ -1,0 +1,48 @@
+#include <algorithm>
+
+#include "mien/tensor/ops.h"
+#include "require.h"
+
+namespace mien {
+
+Tensor group_rows(const Tensor& x, std::int64_t factor) {
+  require(x.rank() == 2 && factor >= 1 && x.num_rows() % factor == 0, [&] {
+    return "group_rows: " + shape_text(x.shape()) + " has no whole groups of " + std::to_string(factor);
+  });
+  return x.reshaped({x.num_rows() / factor, factor * x.width()});
+}
+
+Tensor convolve_columns(const Tensor& x, const Tensor& taps, const Tensor& bias) {
+  const std::int64_t width = x.width(), num_taps = taps.count(), reach = num_taps / 2;
+  require(num_taps % 2 == 1 && bias.count() == 1, [&] {
+    return "convolve_columns: an odd number of taps and one bias are needed, got " +
+           shape_text(taps.shape()) + " and " + shape_text(bias.shape());
+  });
+  Tensor y = Tensor::uninitialized(x.shape());
+  for (std::int64_t r = 0; r < x.num_rows(); ++r) {
+    const float* in = x.data() + r * width;
+    float* out = y.data() + r * width;
+    std::fill_n(out, width, bias.data()[0]);
+    for (std::int64_t j = 0; j < num_taps; ++j) {
+      const std::int64_t shift = j - reach, first = std::max<std::int64_t>(0, -shift);
+      const std::int64_t end = std::min(width, width - shift);
+      for (std::int64_t i = first; i < end; ++i) out[i] += taps.data()[j] * in[i + shift];
+    }
+  }
+  return y;
+}
+
+Tensor max_pool_pairs(const Tensor& x) {
+  require(x.rank() >= 1 && x.width() % 2 == 0,
+          [&] { return "max_pool_pairs: the width of " + shape_text(x.shape()) + " is odd"; });
+  Shape shape = x.shape();
+  shape.back() /= 2;
+  Tensor y = Tensor::uninitialized(std::move(shape));
+  for (std::int64_t i = 0; i < y.count(); ++i) {
+    const float a = x.data()[2 * i], b = x.data()[2 * i + 1];
+    y.data()[i] = a > b || a != a ? a : b;  // NaN passes
+  }
+  return y;
+}
+
+}  // namespace mien

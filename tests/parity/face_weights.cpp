@@ -33,24 +33,34 @@ Tensor as_row(const Tensor& x) { return x.reshaped({1, x.count()}); }
 
 }  // namespace
 
-facediffuser::Conditions<Tensor> conditions(const AnyDenoiser& network, const Tensor& features,
-                                            std::int64_t num_frames, double fps, const Fixture& inputs) {
-  facediffuser::Conditions<Tensor> given;
-  const Tensor speech = aligned(features, align_features(features.num_rows(), num_frames, fps));
-  std::visit([&](const auto& n) { given.speech = n.speech_tokens(speech); }, network);
-  if (const auto* v = std::get_if<facediffuser::VertexDenoiser<Tensor>>(&network)) {
-    given.style = v->style(as_row(inputs.tensor("one_hot")));
-    given.neutral = as_row(inputs.tensor("template"));
-  }
-  return given;
-}
-
 DiffuserCase::DiffuserCase(const std::string& case_name)
     : name(case_name), network(load_network(open("weights"))), forward(open("forward")) {
   const auto config = forward.config();
   num_steps = config.at("steps").get<std::int64_t>();
-  given = conditions(network, speech_features(forward), forward.tensor("x_t").num_rows(),
-                     config.at("fps").get<double>(), open("inputs"));
+  const Tensor features = speech_features(forward);
+  const std::int64_t num_frames = forward.tensor("x_t").num_rows();
+  aligned_speech =
+      aligned(features, align_features(features.num_rows(), num_frames, config.at("fps").get<double>()));
+  std::visit([&](const auto& n) { given.speech = n.speech_tokens(aligned_speech); }, network);
+  if (const auto* v = std::get_if<facediffuser::VertexDenoiser<Tensor>>(&network)) {
+    const Fixture inputs = open("inputs");
+    given.style = v->style(as_row(inputs.tensor("one_hot")));
+    given.neutral = as_row(inputs.tensor("template"));
+  }
+}
+
+bool DiffuserCase::is_latent() const {
+  return std::holds_alternative<facediffuser::VertexDenoiser<Tensor>>(network);
+}
+
+std::shared_ptr<const facediffuser::FoldedDenoiser> DiffuserCase::folded() const {
+  return std::visit(
+      [](const auto& n) {
+        using Network = std::decay_t<decltype(n)>;
+        return std::make_shared<const facediffuser::FoldedDenoiser>(
+            facediffuser::fold(std::make_shared<const Network>(n)));
+      },
+      network);
 }
 
 Tensor DiffuserCase::predict_x0(const Tensor& x_t, std::int64_t step) const {

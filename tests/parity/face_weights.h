@@ -1,8 +1,10 @@
 #pragma once
+#include <memory>
 #include <string>
 #include <variant>
 
 #include "fixture.h"
+#include "mien/models/facediffuser/folded_denoiser.h"
 #include "mien/models/facediffuser/network.h"
 #include "mien/models/facediffuser/plain_sampler.h"
 #include "mien/models/runtime_parameters.h"
@@ -29,6 +31,7 @@ struct DiffuserCase {
   std::string name;
   AnyDenoiser network;
   Fixture forward;
+  Tensor aligned_speech;  ///< [N, f H]
   facediffuser::Conditions<Tensor> given;
   std::int64_t num_steps;  ///< T, from the configuration
 
@@ -36,11 +39,9 @@ struct DiffuserCase {
     return Fixture("facediffuser", name + "." + stage + ".safetensors");
   }
   [[nodiscard]] Tensor predict_x0(const Tensor& x_t, std::int64_t step) const;
+  [[nodiscard]] bool is_latent() const;
+  [[nodiscard]] std::shared_ptr<const facediffuser::FoldedDenoiser> folded() const;
 };
-
-/// Conditions from speech features [A, H] at 50 Hz for an animation of `num_frames`.
-facediffuser::Conditions<Tensor> conditions(const AnyDenoiser& network, const Tensor& features,
-                                            std::int64_t num_frames, double fps, const Fixture& inputs);
 
 /// Recorded noise: initial [1, N, D], per step [K, N, D] (absent in deterministic walks).
 class RecordedNoise final : public FrameNoise {

@@ -56,4 +56,16 @@ PackedMatrix::PackedMatrix(const Tensor& weights, Backend backend)
   contract(weights.rank() == 2, "PackedMatrix: weights must be [N, K], got " + shape_text(weights.shape()));
 }
 
+void PackedMatrix::Kernel::unpack(std::int64_t, std::int64_t, float*) const {
+  contract(false, "PackedMatrix::unpacked: this backend does not keep the weights as they were given");
+}
+
+Tensor PackedMatrix::unpacked(std::int64_t first_input, std::int64_t count) const {
+  contract(first_input >= 0 && count >= 0 && first_input <= num_inputs_ - count,
+           "PackedMatrix::unpacked: there are no such columns");
+  Tensor out = Tensor::uninitialized({num_outputs_, count});
+  if (out.count() > 0) kernel_->unpack(first_input, count, out.data());
+  return out;
+}
+
 }  // namespace mien

@@ -69,6 +69,13 @@ class RowwiseKernel final : public PackedMatrix::Kernel {
     }
   }
 
+  void unpack(std::int64_t first, std::int64_t count, float* out) const override {
+    for (std::int64_t n = 0; n < num_outputs_; ++n) {
+      const float* column = panels_.get() + n / kPanel * kPanel * num_inputs_ + n % kPanel;
+      for (std::int64_t k = first; k < first + count; ++k) *out++ = column[k * kPanel];
+    }
+  }
+
  private:
   [[nodiscard]] Block block(const View& x, const float* bias, float* y, std::int64_t first_row,
                             std::int64_t rows, std::int64_t first_panel, std::int64_t num_panels) const {

@@ -182,5 +182,18 @@ TEST(Rowwise, EveryInstructionSetGivesTheChainOfFusedMultiplyAdds) {
   }
 }
 
+TEST(PackedMatrix, GivesItsWeightsBack) {
+  Tensor w({19, 5});
+  for (std::int64_t i = 0; i < w.count(); ++i) w.data()[i] = static_cast<float>(i);
+  const PackedMatrix packed(w);
+  const Tensor all = packed.unpacked(), some = packed.unpacked(1, 3);
+  for (std::int64_t i = 0; i < w.count(); ++i) ASSERT_EQ(all.data()[i], w.data()[i]);
+  EXPECT_EQ(some.row(18)[0], w.row(18)[1]);
+  EXPECT_EQ(packed.unpacked(5, 0).count(), 0);
+  EXPECT_THROW((void)packed.unpacked(4, 2), std::logic_error);
+  if (!backend_available(Backend::eigen)) return;
+  EXPECT_THROW((void)PackedMatrix(w, Backend::eigen).unpacked(), std::logic_error);
+}
+
 }  // namespace
 }  // namespace mien

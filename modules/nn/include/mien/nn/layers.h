@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "mien/nn/operations.h"
@@ -73,20 +74,31 @@ struct Gru {
     for (auto& layer : layers) layer.visit(v);
   }
 
-  /// x [.., N, in] -> [.., N, hidden], from a state of zeros. `between` changes what each layer but the last
-  /// gives to the next (dropout in training).
+  /// x [.., N, in] -> [.., N, hidden]. `states`: what the layers remember, [.., 1, hidden] each (updated);
+  /// empty at the start, when they are zeros. `between` changes what each layer but the last gives to the
+  /// next (dropout in training).
   template <class Between>
-  T operator()(T x, Between&& between) const {
+  T operator()(T x, std::vector<T>& states, Between&& between) const {
     using B = Operations<T>;
     for (std::size_t i = 0; i < layers.size(); ++i) {
-      T state = B::zero_rows(x, 1, hidden);
-      x = layers[i](x, state);
+      if (states.size() <= i) states.push_back(B::zero_rows(x, 1, hidden));
+      x = layers[i](x, states[i]);
       if (i + 1 < layers.size()) x = between(std::move(x));
     }
     return x;
   }
+  T operator()(const T& x, std::vector<T>& states) const {
+    return (*this)(x, states, [](T y) { return y; });
+  }
+  template <class Between>
+    requires std::is_invocable_r_v<T, Between, T>
+  T operator()(const T& x, Between&& between) const {
+    std::vector<T> states;
+    return (*this)(x, states, between);
+  }
   T operator()(const T& x) const {
-    return (*this)(x, [](T y) { return y; });
+    std::vector<T> states;
+    return (*this)(x, states);
   }
 };
 

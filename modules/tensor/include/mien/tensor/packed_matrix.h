@@ -39,6 +39,9 @@ class PackedMatrix {
   [[nodiscard]] std::int64_t num_outputs() const { return num_outputs_; }
   [[nodiscard]] std::int64_t num_inputs() const { return num_inputs_; }
   [[nodiscard]] Backend backend() const { return backend_; }
+  /// The weights as they were given, [N, K], or some of their columns. @pre backend() == Backend::rowwise
+  [[nodiscard]] Tensor unpacked() const { return unpacked(0, num_inputs_); }
+  [[nodiscard]] Tensor unpacked(std::int64_t first_input, std::int64_t count) const;
 
   /// Weights in the layout of one backend, and the product with them.
   class Kernel {
@@ -46,6 +49,9 @@ class PackedMatrix {
     virtual ~Kernel() = default;
     /// See matmul(); sizes are already checked, and rows, inputs and outputs are not 0.
     virtual void run(const View& x, const float* bias, float* y, int num_threads) const = 0;
+    /// Columns `first` ... `first` + count - 1 of all outputs, [N, count]. Only kernels that keep the weights
+    /// as they were given can.
+    virtual void unpack(std::int64_t first, std::int64_t count, float* out) const;
   };
   /// nullptr when N or K is 0.
   [[nodiscard]] const Kernel* kernel() const { return kernel_.get(); }

@@ -38,11 +38,12 @@ struct Network {
 
   /// aligned features [.., N, 2 H]; weights of subjects [.., 1, S] and emotions [.., 1, E] (one-hot as
   /// published); neutral [.., 1, D] -> absolute positions [.., N, D].
-  T operator()(const T& features, const T& subject_weights, const T& emotion_weights,
-               const T& neutral) const {
+  /// With `past` (empty at the start) the clip may come in pieces.
+  T operator()(const T& features, const T& subject_weights, const T& emotion_weights, const T& neutral,
+               std::vector<T>* past = nullptr) const {
     using B = Operations<T>;
-    const T states = B::mul(B::mul(gru(features), subject(subject_weights)), emotion(emotion_weights));
-    return B::add(out(states), neutral);
+    const T h = past != nullptr ? gru(features, *past) : gru(features);
+    return B::add(out(B::mul(B::mul(h, subject(subject_weights)), emotion(emotion_weights))), neutral);
   }
 };
 

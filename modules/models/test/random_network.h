@@ -1,5 +1,6 @@
 #pragma once
 #include <algorithm>
+#include <cmath>
 
 #include "mien/base/hash.h"
 #include "mien/base/random.h"

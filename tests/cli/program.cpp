@@ -53,11 +53,15 @@ ProgramTest::~ProgramTest() {
 }
 
 Outcome ProgramTest::mien(const std::vector<std::string>& arguments, const std::string& prelude) const {
+  std::string line = prelude + " " + shell_word(MIEN_PROGRAM);
+  for (const auto& argument : arguments) line += " " + shell_word(argument);
+  return shell(line);
+}
+
+Outcome ProgramTest::shell(const std::string& command_line) const {
   const fs::path out = folder_.string() + ".out", err = folder_.string() + ".err";
-  std::string command =
-      "{ cd " + shell_word(folder_.string()) + "; " + prelude + " " + shell_word(MIEN_PROGRAM);
-  for (const auto& argument : arguments) command += " " + shell_word(argument);
-  command += "; } >" + shell_word(out.string()) + " 2>" + shell_word(err.string()) + " </dev/null";
+  const std::string command = "{ cd " + shell_word(folder_.string()) + "; " + command_line + "; } >" +
+                              shell_word(out.string()) + " 2>" + shell_word(err.string()) + " </dev/null";
   const int status = std::system(("exec bash -c " + shell_word(command)).c_str());
   Outcome outcome{WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), text_of(out),
                   text_of(err)};

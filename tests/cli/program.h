@@ -27,6 +27,8 @@ class ProgramTest : public testing::Test {
   ProgramTest();
   ~ProgramTest() override;
 
+  /// Runs a command line of bash in the folder.
+  [[nodiscard]] Outcome shell(const std::string& command_line) const;
   /// Runs `mien` with the arguments; `prelude` is shell code before it, e.g. "ulimit -f 100;".
   [[nodiscard]] Outcome mien(const std::vector<std::string>& arguments,
                              const std::string& prelude = "") const;

@@ -1,0 +1,54 @@
+// A program that is killed leaves under the names of its outputs what was there before, or the whole new
+// file.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "program.h"
+#include "running_program.h"
+
+namespace mien {
+namespace {
+
+class Kill : public ProgramTest {
+ protected:
+  void SetUp() override { write_wav("long.wav", syllables(60)); }
+  // Animates long.wav to the outputs, and kills the program when it reports progress of the stage.
+  void kill_in(const std::string& stage, const std::string& steps, const std::vector<std::string>& outputs) {
+    std::vector<std::string> words = {"animate", "long.wav", "--model", "small.safetensors",
+                                      "--steps", steps,      "--json"};
+    for (const auto& output : outputs) words.insert(words.end(), {"-o", output});
+    RunningProgram run(MIEN_PROGRAM, words, in_folder(""));
+    ASSERT_TRUE(run.says(R"("type":"progress","stage":")" + stage + '"')) << run.err();
+    run.send(SIGKILL);
+    ASSERT_EQ(run.wait(), 128 + SIGKILL) << run.err();
+  }
+  // Without the hidden ones, which are the temporary names.
+  [[nodiscard]] std::vector<std::string> visible_files() const {
+    auto names = files();
+    std::erase_if(names, [](const std::string& name) { return name.starts_with("."); });
+    return names;
+  }
+};
+
+TEST_F(Kill, WhileItAnimates) {
+  write("old.csv", "an older motion");
+  const auto before = visible_files();
+  kill_in("animating", "1000", {"a.glb", "old.csv", "a.json", "a.npy", "a.mp4"});
+  EXPECT_EQ(visible_files(), before);
+  EXPECT_EQ(as_text(bytes_of("old.csv")), "an older motion");
+}
+
+TEST_F(Kill, WhileItFilms) {
+  const std::vector<std::string> endings = {".glb", ".csv", ".json", ".npy"};
+  std::vector<std::string> words = {"animate", "long.wav", "--model", "small.safetensors", "--steps", "1"};
+  for (const auto& ending : endings) words.insert(words.end(), {"-o", "whole" + ending});
+  ASSERT_EQ(mien(words).exit_code, 0);
+  kill_in("rendering", "1", {"a.glb", "a.csv", "a.json", "a.npy", "a.mp4"});
+  for (const auto& ending : endings)  // they are written before the film
+    EXPECT_TRUE(bytes_of("a" + ending) == bytes_of("whole" + ending)) << ending;
+  EXPECT_FALSE(std::filesystem::exists(in_folder("a.mp4")));
+}
+
+}  // namespace
+}  // namespace mien

@@ -1,15 +1,14 @@
 #include "mien/base/random.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "mien/base/contract.h"
+#include "normal_blocks.h"
 
 namespace mien {
 namespace {
-
-// Uniform in (0, 1] from 32 bits: never zero, so that its logarithm is finite.
-double open_unit(std::uint32_t bits) { return (static_cast<double>(bits) + 1.0) * 0x1p-32; }
 
 double unit53(std::uint32_t high, std::uint32_t low) {
   const std::uint64_t bits = (static_cast<std::uint64_t>(high) << 32) | low;
@@ -35,33 +34,32 @@ std::array<std::uint32_t, 4> philox4x32(std::array<std::uint32_t, 4> c, std::arr
 }
 
 void NoiseField::normal(std::uint64_t first_index, std::uint32_t step, std::span<float> out) const {
-  // One Philox block makes four values: elements 4b ... 4b+3.
+  // One Philox block makes four values: elements 4b ... 4b+3. kNormalBlocks of them are made at a time.
+  const auto key = key_of(seed_);
+  std::array<float, 4 * kNormalBlocks> z;
   for (std::size_t i = 0; i < out.size();) {
     const std::uint64_t index = first_index + i;
-    const std::uint64_t block = index / 4;
-    const auto w = philox4x32(
-        {static_cast<std::uint32_t>(block), static_cast<std::uint32_t>(block >> 32), step, stream_}, key_of(seed_));
-    std::array<float, 4> z{};
-    for (int pair = 0; pair < 2; ++pair) {
-      const double radius = std::sqrt(-2.0 * std::log(open_unit(w[2 * pair])));
-      const double angle = 2.0 * std::numbers::pi * (static_cast<double>(w[2 * pair + 1]) * 0x1p-32);
-      z[2 * pair] = static_cast<float>(radius * std::cos(angle));
-      z[2 * pair + 1] = static_cast<float>(radius * std::sin(angle));
-    }
-    for (std::uint64_t lane = index % 4; lane < 4 && i < out.size(); ++lane, ++i) out[i] = z[lane];
+    normal_blocks(index / 4, step, stream_, key.data(), z.data());
+    const std::size_t skipped = index % 4;
+    const std::size_t count = std::min(z.size() - skipped, out.size() - i);
+    std::copy_n(z.begin() + static_cast<std::ptrdiff_t>(skipped), count,
+                out.begin() + static_cast<std::ptrdiff_t>(i));
+    i += count;
   }
 }
 
 double NoiseField::uniform(std::uint64_t index, std::uint32_t step) const {
-  const auto w = philox4x32(
-      {static_cast<std::uint32_t>(index), static_cast<std::uint32_t>(index >> 32), step, stream_}, key_of(seed_));
+  const auto w =
+      philox4x32({static_cast<std::uint32_t>(index), static_cast<std::uint32_t>(index >> 32), step, stream_},
+                 key_of(seed_));
   return unit53(w[0], w[1]);
 }
 
 std::uint32_t Rng::bits() {
   if (used_ == 4) {
-    block_ = philox4x32({static_cast<std::uint32_t>(counter_), static_cast<std::uint32_t>(counter_ >> 32), 0, 0},
-                        key_of(seed_));
+    block_ =
+        philox4x32({static_cast<std::uint32_t>(counter_), static_cast<std::uint32_t>(counter_ >> 32), 0, 0},
+                   key_of(seed_));
     ++counter_;
     used_ = 0;
   }

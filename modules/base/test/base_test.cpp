@@ -78,7 +78,10 @@ TEST(ParallelFor, RunsEachItemOnceAndRethrows) {
     std::vector<std::atomic<int>> count(100);
     parallel_for(threads, 100, [&](std::int64_t i) { ++count[static_cast<std::size_t>(i)]; });
     for (const auto& c : count) EXPECT_EQ(c, 1);
-    EXPECT_THROW(parallel_for(threads, 10, [](std::int64_t i) { if (i == 3) throw std::runtime_error("three"); }),
+    EXPECT_THROW(parallel_for(threads, 10,
+                              [](std::int64_t i) {
+                                if (i == 3) throw std::runtime_error("three");
+                              }),
                  std::runtime_error);
   }
 }
@@ -116,6 +119,33 @@ TEST(Hash, DependsOnTextSeedAndOrder) {
   EXPECT_NE(hash64("a"), hash64("b"));
   EXPECT_NE(hash64("a", 1), hash64("a", 2));
   EXPECT_NE(hash_combine(1, 2), hash_combine(2, 1));
+}
+
+TEST(NoiseField, IsBoxMullerOfPhiloxBlocks) {
+  constexpr std::uint64_t kSeed = 0x123456789abcdefULL;
+  constexpr std::uint32_t kStream = 5, kStep = 3;
+  std::vector<float> got(4000);
+  NoiseField(kSeed, kStream).normal(0, kStep, got);
+  for (std::uint32_t block = 0; block < got.size() / 4; ++block) {
+    const auto w = philox4x32({block, 0, kStep, kStream},
+                              {static_cast<std::uint32_t>(kSeed), static_cast<std::uint32_t>(kSeed >> 32)});
+    for (std::uint32_t pair = 0; pair < 2; ++pair) {
+      const double radius = std::sqrt(-2 * std::log((static_cast<double>(w[2 * pair]) + 1) * 0x1p-32));
+      const double angle = 2 * std::acos(-1.0) * static_cast<double>(w[2 * pair + 1]) * 0x1p-32;
+      ASSERT_NEAR(got[4 * block + 2 * pair], radius * std::cos(angle), 1e-6) << block;
+      ASSERT_NEAR(got[4 * block + 2 * pair + 1], radius * std::sin(angle), 1e-6) << block;
+    }
+  }
+}
+
+TEST(NoiseField, GivesTheSameValuesFromAnyPlace) {
+  const NoiseField field(7, 1);
+  std::vector<float> whole(300), part(37);
+  field.normal(0, 2, whole);
+  for (std::size_t first = 0; first < 200; ++first) {
+    field.normal(first, 2, part);
+    for (std::size_t i = 0; i < part.size(); ++i) ASSERT_EQ(part[i], whole[first + i]) << first;
+  }
 }
 
 }  // namespace

@@ -3,15 +3,7 @@
 #include <algorithm>
 
 #include "mien/base/contract.h"
-
-// One body for several instruction sets: the loops are element by element and contraction is off, so all give
-// the same bits.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && \
-    !defined(__SANITIZE_THREAD__)
-#define MIEN_WIDE_VECTORS __attribute__((target_clones("avx512f", "avx2", "default")))
-#else
-#define MIEN_WIDE_VECTORS
-#endif
+#include "wide_vectors.h"
 
 namespace mien {
 namespace {
@@ -19,7 +11,7 @@ namespace {
 constexpr std::int64_t kLanes = 8;  // rows are padded to whole groups of these
 
 // Makes one row the pivot's, within its own block of rows.
-bool scale_pivot(double* row, std::int64_t pivot, std::int64_t stride) {
+inline __attribute__((always_inline)) bool scale_pivot(double* row, std::int64_t pivot, std::int64_t stride) {
   if (!(row[pivot] > 0)) return false;  // NaN too
   const double inverse = 1 / row[pivot];
   row[pivot] = 1;
@@ -27,15 +19,16 @@ bool scale_pivot(double* row, std::int64_t pivot, std::int64_t stride) {
   return true;
 }
 
-void eliminate(double* row, const double* pivot_row, std::int64_t pivot, std::int64_t stride) {
+inline __attribute__((always_inline)) void eliminate(double* row, const double* pivot_row, std::int64_t pivot,
+                                                     std::int64_t stride) {
   const double factor = row[pivot];
   row[pivot] = 0;
   for (std::int64_t j = 0; j < stride; ++j) row[j] -= factor * pivot_row[j];
 }
 
 // row -= sum of factors[b] * pivot_rows[b]: four pivots in one pass over the row.
-MIEN_WIDE_VECTORS void eliminate_four(double* a, std::int64_t num_rows, std::int64_t stride,
-                                      std::int64_t first) {
+inline __attribute__((always_inline)) void eliminate_four(double* a, std::int64_t num_rows,
+                                                          std::int64_t stride, std::int64_t first) {
   const double *p0 = a + first * stride, *p1 = p0 + stride, *p2 = p1 + stride, *p3 = p2 + stride;
   for (std::int64_t i = 0; i < num_rows; ++i) {
     if (i == first) i += 4;
@@ -70,7 +63,7 @@ MIEN_WIDE_VECTORS void multiply_packed(const double* packed, std::int64_t k, con
 
 }  // namespace
 
-bool invert(double* a, std::int64_t num_rows, std::int64_t stride) {
+MIEN_WIDE_VECTORS bool invert(double* a, std::int64_t num_rows, std::int64_t stride) {
   std::int64_t first = 0;
   for (; first + 4 <= num_rows; first += 4) {
     // The four pivots among themselves, then all other rows.

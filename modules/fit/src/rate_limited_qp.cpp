@@ -6,6 +6,7 @@
 
 #include "frame_chain.h"
 #include "mien/base/contract.h"
+#include "wide_vectors.h"
 
 namespace mien {
 namespace {
@@ -53,6 +54,12 @@ struct Limits {
     }
   }
 };
+
+// y += P x for a symmetric P [K, K].
+MIEN_WIDE_VECTORS void add_product(const double* p, std::int64_t k, const double* x, double* y) {
+  for (std::int64_t i = 0; i < k; ++i)
+    for (std::int64_t j = 0; j < k; ++j) y[j] += p[i * k + j] * x[i];
+}
 
 class InteriorPoint {
  public:
@@ -147,8 +154,7 @@ class InteriorPoint {
       const double* x = x_.data() + n * k_;
       double* g = gradient_.data() + n * k_;
       std::copy_n(q_.data() + n * k_, k, g);
-      for (std::size_t i = 0; i < k; ++i)
-        for (std::size_t j = 0; j < k; ++j) g[j] += p_[i * k + j] * x[i];
+      add_product(p_.data(), k_, x, g);
     }
     for (std::size_t i = 0; i < x_.size(); ++i) gradient_[i] += above_.multiplier[i] - below_.multiplier[i];
     add_pairs(gradient_, [&](std::size_t i) { return rising_.multiplier[i] - falling_.multiplier[i]; });

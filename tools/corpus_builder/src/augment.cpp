@@ -70,11 +70,11 @@ AugmentRecipe draw_training_recipe(Rng& rng) {
     return r;
   }
   if (rng.chance(0.7)) r.time_factor = rng.uniform(0.86, 1.16);
-  if (rng.chance(0.55)) r.reverb = Reverb{rng.uniform(0.12, 0.7), rng.uniform(0.05, 0.5)};
+  if (rng.chance(0.4)) r.reverb = Reverb{rng.uniform(0.12, 0.6), rng.uniform(0.05, 0.4)};
   if (rng.chance(0.7))
     r.coloration = Coloration{rng.chance(0.5), rng.uniform(300, 3000), rng.uniform(-0.6, 2.0)};
   if (rng.chance(0.3)) r.band = Band{rng.uniform(80, 320), rng.uniform(3200, 6500)};
-  r.noise = draw_noise(rng, 2, 32);
+  r.noise = draw_noise(rng, 5, 35);
   if (rng.chance(0.15)) r.clip_level = rng.uniform(0.08, 0.25);
   r.mu_law = rng.chance(0.2);
   return r;

@@ -6,7 +6,7 @@
 namespace mien {
 
 std::vector<float> LoadRuntime::read(std::string_view name, const Shape& shape) {
-  const std::string full = full_name(name);
+  const std::string full = prefix_ + full_name(name);
   const auto complain = [&](const std::string& what) { problems_ += (problems_.empty() ? "" : "; ") + what; };
   used_.insert(full);
   std::int64_t count = 1;
@@ -29,6 +29,11 @@ void LoadRuntime::matrix(std::string_view name, PackedMatrix& slot, std::int64_t
   slot = PackedMatrix(read(name, {out, in}), out, in);
 }
 
+void LoadRuntime::convolution(std::string_view name, PackedMatrix& slot, std::int64_t out, std::int64_t in,
+                              std::int64_t kernel, Init) {
+  slot = PackedMatrix(tap_major(Tensor({out, in, kernel}, read(name, {out, in, kernel}))));
+}
+
 void LoadRuntime::tensor(std::string_view name, Tensor& slot, const Shape& shape, Init) {
   slot = Tensor(shape, read(name, shape));
 }
@@ -36,7 +41,7 @@ void LoadRuntime::tensor(std::string_view name, Tensor& slot, const Shape& shape
 Status LoadRuntime::finish() const {
   std::string problems = problems_;
   for (const auto& stored : file_.tensors())
-    if (!used_.contains(stored.name) &&
+    if (stored.name.starts_with(prefix_) && !used_.contains(stored.name) &&
         std::none_of(left_out_.begin(), left_out_.end(),
                      [&](const std::string& prefix) { return stored.name.starts_with(prefix); }))
       problems += (problems.empty() ? "" : "; ") + ("unknown tensor '" + stored.name + "'");

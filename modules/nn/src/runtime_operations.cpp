@@ -51,6 +51,30 @@ Tensor Operations<Tensor>::add_one(Tensor x) {
   return x;
 }
 
+Tensor Operations<Tensor>::attention(const Tensor& q, const Tensor& k, const Tensor& v, std::int64_t heads,
+                                     std::span<const std::int64_t> valid) {
+  contract(valid.size() <= 1, "attention: the runtime has no batches");
+  Tensor out = Tensor::uninitialized(q.shape());
+  mien::attention({q.view(), k.view(), v.view(), heads, valid.empty() ? -1 : valid[0]}, out.data());
+  return out;
+}
+
+Tensor Operations<Tensor>::zero_after(Tensor x, std::span<const std::int64_t> valid) {
+  contract(valid.size() <= 1, "zero_after: the runtime has no batches");
+  for (std::int64_t r = valid.empty() ? x.num_rows() : std::max<std::int64_t>(valid[0], 0); r < x.num_rows();
+       ++r)
+    std::ranges::fill(x.row(r), 0.0f);
+  return x;
+}
+
+Tensor Operations<Tensor>::replace_rows(Tensor x, std::span<const std::uint8_t> flags, const Tensor& row) {
+  contract(static_cast<std::int64_t>(flags.size()) == x.num_rows() && row.count() == x.width(),
+           "replace_rows: one flag for each row and a row of the same width are needed");
+  for (std::int64_t r = 0; r < x.num_rows(); ++r)
+    if (flags[static_cast<std::size_t>(r)] != 0) std::ranges::copy(row.values(), x.row(r).begin());
+  return x;
+}
+
 Tensor Operations<Tensor>::concat_rows(const std::vector<Tensor>& parts) {
   contract(!parts.empty(), "concat_rows: at least one part is needed");
   std::int64_t num_rows = 0;

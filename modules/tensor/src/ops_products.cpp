@@ -1,69 +1,18 @@
 #include <algorithm>
 
+#include "checked_bias.h"
 #include "elementwise_dispatch.h"
 #include "mien/base/contract.h"
 #include "mien/tensor/ops.h"
 #include "require.h"
 
 namespace mien {
-namespace {
-
-const float* checked_bias(const Tensor& bias, const PackedMatrix& w) {
-  if (bias.count() == 0) return nullptr;
-  require(bias.count() == w.num_outputs(), [&] {
-    return "bias " + shape_text(bias.shape()) + " does not fit " + std::to_string(w.num_outputs()) +
-           " outputs";
-  });
-  return bias.data();
-}
-
-std::int64_t unfolded_count(const Tensor& x, std::int64_t kernel, std::int64_t dilation) {
-  require(x.rank() == 2, [&] { return "unfold_rows: x must be [N, D], got " + shape_text(x.shape()); });
-  contract(kernel >= 1 && dilation >= 1, "unfold_rows: kernel and dilation must be at least 1");
-  return std::max<std::int64_t>(0, x.size(0) - (kernel - 1) * dilation);
-}
-
-}  // namespace
-
 Tensor linear(const Tensor& x, const PackedMatrix& w, const Tensor& bias, int num_threads) {
   contract(x.rank() >= 1, "linear: x needs an axis");
   Shape shape = x.shape();
   shape.back() = w.num_outputs();
   Tensor y = Tensor::uninitialized(std::move(shape));
   matmul(x.view(), w, checked_bias(bias, w), y.data(), num_threads);
-  return y;
-}
-
-Tensor unfold_rows(const Tensor& x, std::int64_t kernel, std::int64_t dilation) {
-  const std::int64_t count = unfolded_count(x, kernel, dilation), width = x.width();
-  Tensor y = Tensor::uninitialized({count, kernel * width});
-  float* out = y.data();
-  for (std::int64_t n = 0; n < count; ++n)
-    for (std::int64_t j = 0; j < kernel; ++j)
-      out = std::copy_n(x.data() + (n + j * dilation) * width, width, out);
-  return y;
-}
-
-Tensor conv_rows(const Tensor& x, const PackedMatrix& w, const Tensor& bias, std::int64_t kernel,
-                 std::int64_t dilation, int num_threads) {
-  if (kernel != 1 && dilation != 1) return linear(unfold_rows(x, kernel, dilation), w, bias, num_threads);
-  // Neighbouring rows already lie one after the other: the unfolded matrix is x itself, seen with overlapping
-  // rows.
-  const std::int64_t count = unfolded_count(x, kernel, 1), width = x.width();
-  Tensor y = Tensor::uninitialized({count, w.num_outputs()});
-  matmul({x.data(), count, kernel * width, width}, w, checked_bias(bias, w), y.data(), num_threads);
-  return y;
-}
-
-Tensor tap_major(const Tensor& weight) {
-  require(weight.rank() == 3,
-          [&] { return "tap_major: weight must be [Out, In, kernel], got " + shape_text(weight.shape()); });
-  const std::int64_t outputs = weight.size(0), inputs = weight.size(1), kernel = weight.size(2);
-  Tensor y = Tensor::uninitialized({outputs, kernel * inputs});
-  for (std::int64_t o = 0; o < outputs; ++o)
-    for (std::int64_t i = 0; i < inputs; ++i)
-      for (std::int64_t j = 0; j < kernel; ++j)
-        y.data()[(o * kernel + j) * inputs + i] = weight.data()[(o * inputs + i) * kernel + j];
   return y;
 }
 

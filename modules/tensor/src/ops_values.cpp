@@ -1,3 +1,5 @@
+#include <cmath>
+
 #include "elementwise_dispatch.h"
 #include "mien/tensor/ops.h"
 #include "require.h"
@@ -66,6 +68,27 @@ Tensor layer_norm(Tensor x, const Tensor& gamma, const Tensor& beta, double eps)
     float* row = x.data() + r * width;
     kernels.layer_norm_row(row, gamma.data(), beta.data(), eps, width, row);
   }
+  return x;
+}
+
+Tensor norm_over_rows(Tensor x, const Tensor& gamma, const Tensor& beta, double eps) {
+  const std::int64_t width = x.width(), num_rows = x.num_rows();
+  require(gamma.count() == width && beta.count() == width, [&] {
+    return "norm_over_rows: gamma " + shape_text(gamma.shape()) + " and beta " + shape_text(beta.shape()) +
+           " must have the width of " + shape_text(x.shape());
+  });
+  std::vector<double> mean(static_cast<std::size_t>(width)), variance(mean);
+  const auto each = [&](auto&& use) {
+    for (std::int64_t r = 0; r < num_rows; ++r)
+      for (std::int64_t i = 0; i < width; ++i) use(static_cast<std::size_t>(i), x.data()[r * width + i]);
+  };
+  each([&](std::size_t i, float v) { mean[i] += v; });
+  for (double& m : mean) m /= static_cast<double>(num_rows);
+  each([&](std::size_t i, float v) { variance[i] += (v - mean[i]) * (v - mean[i]); });
+  for (double& v : variance) v = 1.0 / std::sqrt(v / static_cast<double>(num_rows) + eps);
+  each([&](std::size_t i, float& v) {
+    v = static_cast<float>((v - mean[i]) * variance[i]) * gamma.data()[i] + beta.data()[i];
+  });
   return x;
 }
 

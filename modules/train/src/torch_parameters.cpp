@@ -34,6 +34,11 @@ void Initialise::matrix(std::string_view name, torch::Tensor& slot, std::int64_t
   slot = initial(full_name(name), {out, in}, init, in, seed_).requires_grad_(true);
 }
 
+void Initialise::convolution(std::string_view name, torch::Tensor& slot, std::int64_t out, std::int64_t in,
+                             std::int64_t kernel, Init init) {
+  slot = initial(full_name(name), {out, in, kernel}, init, in * kernel, seed_).requires_grad_(true);
+}
+
 void Initialise::tensor(std::string_view name, torch::Tensor& slot, const Shape& shape, Init init) {
   slot = initial(full_name(name), shape, init, shape.back(), seed_).requires_grad_(true);
 }

@@ -13,8 +13,24 @@ namespace mien {
 /// Fills a runtime network from a model file and packs its matrices: network.visit(visitor), then finish().
 class LoadRuntime : public ParameterVisitor<LoadRuntime> {
  public:
-  explicit LoadRuntime(const SafetensorsFile& file) : file_(file) {}
+  /// @param prefix  stands before every name in the file; tensors without it are none of this network's
+  /// business
+  explicit LoadRuntime(const SafetensorsFile& file, std::string prefix = {})
+      : file_(file), prefix_(std::move(prefix)) {}
   void matrix(std::string_view name, PackedMatrix& slot, std::int64_t out, std::int64_t in, Init);
+  void convolution(std::string_view name, PackedMatrix& slot, std::int64_t out, std::int64_t in,
+                   std::int64_t kernel, Init);
+  /// A matrix of a network over PlainWeights.
+  void matrix(std::string_view name, Tensor& slot, std::int64_t out, std::int64_t in, Init init) {
+    tensor(name, slot, {out, in}, init);
+  }
+  void convolution(std::string_view name, Tensor& slot, std::int64_t out, std::int64_t in,
+                   std::int64_t kernel, Init init) {
+    tensor(name, slot, {out, in, kernel}, init);
+  }
+  void optional(std::string_view name, Tensor& slot, const Shape& shape, Init init) {
+    if (file_.find(prefix_ + full_name(name)) != nullptr) tensor(name, slot, shape, init);
+  }
   void tensor(std::string_view name, Tensor& slot, const Shape& shape, Init);
   void buffer(std::string_view name, Tensor& slot, const Shape& shape) {
     tensor(name, slot, shape, Init::zero);
@@ -28,6 +44,7 @@ class LoadRuntime : public ParameterVisitor<LoadRuntime> {
  private:
   std::vector<float> read(std::string_view name, const Shape& shape);
   const SafetensorsFile& file_;
+  std::string prefix_;
   std::set<std::string> used_;
   std::vector<std::string> left_out_;
   std::string problems_;
@@ -39,6 +56,10 @@ class CountParameters : public ParameterVisitor<CountParameters> {
   template <class M>
   void matrix(std::string_view, M&, std::int64_t out, std::int64_t in, Init) {
     total += out * in;
+  }
+  template <class M>
+  void convolution(std::string_view, M&, std::int64_t out, std::int64_t in, std::int64_t kernel, Init) {
+    total += out * in * kernel;
   }
   template <class T>
   void tensor(std::string_view, T&, const Shape& shape, Init) {

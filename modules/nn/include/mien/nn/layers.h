@@ -29,6 +29,7 @@ struct Linear {
 template <class T>
 struct LayerNorm {
   std::int64_t width = 0;
+  double eps = 1e-5;
   T gamma{}, beta{};
 
   template <class V>
@@ -36,7 +37,7 @@ struct LayerNorm {
     v.tensor("weight", gamma, Shape{width}, Init::one);
     v.tensor("bias", beta, Shape{width}, Init::zero);
   }
-  T operator()(const T& x) const { return Operations<T>::layer_norm(x, gamma, beta); }
+  T operator()(const T& x) const { return Operations<T>::layer_norm(x, gamma, beta, eps); }
 };
 
 /// One layer of a gated recurrent unit, gate order reset, update, new (as in PyTorch).

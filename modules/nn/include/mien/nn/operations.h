@@ -11,7 +11,17 @@ namespace mien {
 ///
 ///   type Matrix                        weights of a linear map, [out, in]
 ///   linear(x, matrix, bias)            x [.., N, in] -> [.., N, out]
-///   layer_norm(x, gamma, beta)         over the last axis, epsilon 1e-5
+///   conv(x, matrix, bias, kernel, stride)
+///                                      along time, no padding; visitor.convolution() names the matrix
+///   grouped_conv(x, weight, bias, groups, before, after)
+///                                      along time behind and before rows of zeros; weight [out, in /
+///                                      groups, kernel] is a tensor
+///   weight_norm(v, g)                  g[k] v[o, i, k] / |v[:, :, k]|
+///   layer_norm(x, gamma, beta, eps)    over the last axis, population variance; eps 1e-5 unless given
+///   norm_over_time(x, gamma, beta, eps)
+///                                      each channel over all its rows
+///   attention(q, k, v, heads, valid)   softmax(q k^T) v by heads, q already scaled; keys from
+///                                      valid[batch] on are not seen (empty: all are)
 ///   gelu(x) silu(x) sigmoid(x) tanh(x) elementwise; gelu in its exact (erf) form
 ///   relu(x) mish(x)                    elementwise
 ///   gru(x, state, w_ih, w_hh, b_ih, b_hh)  a GRU layer over time, gates r, z, n: x [.., N, in], state [..,
@@ -31,8 +41,12 @@ namespace mien {
 ///   concat_rows({x, y, ...})           one after the other in time
 ///   concat_columns({x, y, ...})        side by side
 ///   zero_rows(x, count, width)         zeros [.., count, width] with the batch axes of x
+///   zero_after(x, valid)               rows from valid[batch] on become 0; valid empty: x
+///   replace_rows(x, flags, row)        rows whose flag is not 0 become `row` [D]; flags of all batches in
+///                                      a row
 ///   unfold(x, kernel, dilation)        [.., N, D] -> [.., N - (kernel-1) dilation, kernel D], oldest tap
-///   first
+///                                      first
+/// bias may be an empty (runtime) or undefined (training) tensor where a layer has none.
 template <class T>
 struct Operations;
 

@@ -18,7 +18,9 @@ enum class Init {
 /// and counting are visitors derived from this class by `Self`, which receives:
 ///
 ///   self.matrix(name, Operations<T>::Matrix&, out, in, init)
+///   self.convolution(name, Operations<T>::Matrix&, out, in, kernel, init)   stored as [out, in, kernel]
 ///   self.tensor(name, T&, shape, init)
+///   self.optional(name, T&, shape, init)   as tensor(), but a file may lack it; the slot then stays as it is
 ///   self.buffer(name, T&, shape)         measured, not trained: statistics
 ///
 /// Names are joined with dots: scope("gru", g) visits g's parameters as "gru.<name>".
@@ -37,6 +39,10 @@ class ParameterVisitor {
   void scope(std::string_view name, std::vector<Module>& modules) {
     for (std::size_t i = 0; i < modules.size(); ++i)
       scope(std::string(name) + "." + std::to_string(i), modules[i]);
+  }
+  template <class T, class I>
+  void optional(std::string_view name, T& slot, const std::vector<std::int64_t>& shape, I init) {
+    static_cast<Self&>(*this).tensor(name, slot, shape, init);
   }
 
  protected:

@@ -16,9 +16,24 @@ struct Operations<Tensor> {
   using Matrix = PackedMatrix;
 
   static Tensor linear(const Tensor& x, const Matrix& w, const Tensor& b) { return mien::linear(x, w, b); }
-  static Tensor layer_norm(const Tensor& x, const Tensor& gamma, const Tensor& beta) {
-    return mien::layer_norm(x, gamma, beta);
+  static Tensor conv(const Tensor& x, const Matrix& w, const Tensor& b, std::int64_t kernel,
+                     std::int64_t stride) {
+    return conv_rows(x, w, b, kernel, 1, stride);
   }
+  static Tensor grouped_conv(const Tensor& x, const Tensor& weight, const Tensor& b, std::int64_t groups,
+                             std::int64_t before, std::int64_t after) {
+    return grouped_conv_rows(x, pack_groups(weight, groups), b, before, after);
+  }
+  static Tensor weight_norm(const Tensor& v, const Tensor& g) { return weight_norm_taps(v, g); }
+  static Tensor layer_norm(Tensor x, const Tensor& gamma, const Tensor& beta, double eps = 1e-5) {
+    return mien::layer_norm(std::move(x), gamma, beta, eps);
+  }
+  static Tensor norm_over_time(Tensor x, const Tensor& gamma, const Tensor& beta, double eps) {
+    return norm_over_rows(std::move(x), gamma, beta, eps);
+  }
+  /// One batch: `valid` has at most one entry.
+  static Tensor attention(const Tensor& q, const Tensor& k, const Tensor& v, std::int64_t heads,
+                          std::span<const std::int64_t> valid);
   static Tensor gelu(Tensor x) { return mien::gelu(std::move(x)); }
   static Tensor silu(Tensor x) { return mien::silu(std::move(x)); }
   static Tensor sigmoid(Tensor x) { return mien::sigmoid(std::move(x)); }
@@ -53,6 +68,8 @@ struct Operations<Tensor> {
   static Tensor zero_rows(const Tensor&, std::int64_t count, std::int64_t width) {
     return Tensor({count, width});
   }
+  static Tensor zero_after(Tensor x, std::span<const std::int64_t> valid);
+  static Tensor replace_rows(Tensor x, std::span<const std::uint8_t> flags, const Tensor& row);
   static Tensor unfold(const Tensor& x, std::int64_t kernel, std::int64_t dilation) {
     return unfold_rows(x, kernel, dilation);
   }

@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "mien/tensor/matmul.h"
 #include "mien/tensor/tensor.h"
@@ -18,16 +19,47 @@ namespace mien {
 Tensor linear(const Tensor& x, const PackedMatrix& w, const Tensor& bias = {}, int num_threads = 1);
 
 /// Convolution over rows without padding, as one product:
-/// y[n] = bias + sum over taps j of w[:, j * D ... j * D + D - 1] x[n + j * dilation].
+/// y[n] = bias + sum over taps j of w[:, j * D ... j * D + D - 1] x[n * stride + j * dilation].
 /// @param x  [N, D];  w  [Out, kernel * D], tap by tap as tap_major() gives it;  bias  [Out] or empty
-/// @return   [N - (kernel - 1) * dilation, Out], no rows when x has too few. A causal convolution is this one
-/// behind
-///           (kernel - 1) * dilation rows of past (zeros at the start).
+/// @return   [floor((N - (kernel - 1) * dilation - 1) / stride) + 1, Out], no rows when x has too few. A
+/// causal
+///           convolution is this one behind (kernel - 1) * dilation rows of past (zeros at the start).
 Tensor conv_rows(const Tensor& x, const PackedMatrix& w, const Tensor& bias, std::int64_t kernel,
-                 std::int64_t dilation = 1, int num_threads = 1);
+                 std::int64_t dilation = 1, std::int64_t stride = 1, int num_threads = 1);
 
 /// Convolution weights [Out, In, kernel], the order of PyTorch, to [Out, kernel * In] with taps outermost.
 Tensor tap_major(const Tensor& weight);
+
+/// Weights of a convolution whose channels form groups that do not mix, packed group by group.
+struct PackedGroups {
+  std::int64_t kernel = 0, inputs = 0, outputs = 0;  ///< channels in and out of one group
+  std::vector<PackedMatrix> groups;                  ///< each [outputs, kernel * inputs]
+};
+/// @param weight  [Out, In / groups, kernel], the order of PyTorch. @pre groups divides Out
+PackedGroups pack_groups(const Tensor& weight, std::int64_t groups, Backend backend = Backend::rowwise);
+/// Grouped convolution over rows, stride 1, with `before` and `after` rows of zeros around x.
+/// @param x  [N, groups * inputs];  bias  [groups * outputs] or empty
+/// @return   [N + before + after - kernel + 1, groups * outputs], no rows when x has too few
+Tensor grouped_conv_rows(const Tensor& x, const PackedGroups& w, const Tensor& bias, std::int64_t before,
+                         std::int64_t after, int num_threads = 1);
+/// Weight norm with one length per tap: w[o, i, k] = g[k] v[o, i, k] / |v[:, :, k]|, lengths in double.
+/// @param v  [Out, In, kernel];  g  [1, 1, kernel]
+Tensor weight_norm_taps(const Tensor& v, const Tensor& g);
+
+/// Where the heads of an attention read and write. Head h uses columns h * d ... of q, k, v, with d = columns
+/// / heads.
+struct AttentionInputs {
+  View q;     ///< [N, heads * d], already scaled by 1 / sqrt(d)
+  View k, v;  ///< [T, heads * d]
+  std::int64_t heads = 1;
+  std::int64_t valid = -1;  ///< keys from here on are not seen; -1: all are
+  Backend backend =
+      Backend::rowwise;  ///< of the two products; with rowwise the bits do not depend on the threads
+};
+/// out[n] = softmax(q[n] k^T) v for each head, a block of queries at a time: the scores never exist as a
+/// whole.
+/// @param out  [N, heads * d], rows side by side. @pre T > 0 and valid != 0 unless N == 0
+void attention(const AttentionInputs& in, float* out, int num_threads = 1);
 
 /// x [N, D] -> [N - (kernel - 1) * dilation, kernel * D]: row n holds rows n, n + dilation, ... of x, oldest
 /// first.
@@ -66,6 +98,9 @@ Tensor mul(Tensor a, const Tensor& b);
 /// (x - mean) / sqrt(variance + eps) * gamma + beta over the last axis, biased variance, sums in double.
 /// @param gamma, beta  [D]
 Tensor layer_norm(Tensor x, const Tensor& gamma, const Tensor& beta, double eps = 1e-5);
+/// The same over time: each channel of x [N, D] over its N values. What a group norm with as many groups as
+/// channels is.
+Tensor norm_over_rows(Tensor x, const Tensor& gamma, const Tensor& beta, double eps = 1e-5);
 /// exp(x - max) / sum over the last axis. A row of minus infinities gives NaN.
 Tensor softmax_last(Tensor x);
 

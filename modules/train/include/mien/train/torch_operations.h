@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -20,8 +21,47 @@ struct Operations<torch::Tensor> {
   static T linear(const T& x, const Matrix& w, const T& b) {
     return b.defined() ? torch::linear(x, w, b) : torch::linear(x, w);
   }
-  static T layer_norm(const T& x, const T& gamma, const T& beta) {
-    return torch::layer_norm(x, {x.size(-1)}, gamma, beta, 1e-5);
+  static T conv(const T& x, const Matrix& w, const T& b, std::int64_t /*kernel*/, std::int64_t stride) {
+    return torch::conv1d(x.transpose(-1, -2), w, b, stride).transpose(-1, -2);
+  }
+  static T grouped_conv(const T& x, const T& weight, const T& b, std::int64_t groups, std::int64_t before,
+                        std::int64_t after) {
+    const T padded = torch::constant_pad_nd(x.transpose(-1, -2), {before, after});
+    const std::int64_t stride = 1, padding = 0,
+                       dilation = 1;  // variables: a literal 0 is also a text to the compiler
+    return torch::conv1d(padded, weight, b, stride, padding, dilation, groups).transpose(-1, -2);
+  }
+  static T weight_norm(const T& v, const T& g) {
+    return v * (g / v.square().sum(torch::IntArrayRef{0, 1}, /*keepdim=*/true).sqrt());
+  }
+  static T layer_norm(const T& x, const T& gamma, const T& beta, double eps = 1e-5) {
+    return torch::layer_norm(x, {x.size(-1)}, gamma, beta, eps);
+  }
+  static T norm_over_time(const T& x, const T& gamma, const T& beta, double eps) {
+    return torch::group_norm(x.transpose(-1, -2), x.size(-1), gamma, beta, eps).transpose(-1, -2);
+  }
+  static T attention(const T& q, const T& k, const T& v, std::int64_t heads,
+                     std::span<const std::int64_t> valid) {
+    return attend(attention_weights(q, k, heads, valid), v);
+  }
+  /// The two halves of attention(), for training, which drops some of the weights [batch, heads, N, T]
+  /// between them.
+  static T attention_weights(const T& q, const T& k, std::int64_t heads,
+                             std::span<const std::int64_t> valid) {
+    T scores = torch::matmul(by_heads(q, heads), by_heads(k, heads).transpose(-1, -2));
+    for (std::size_t b = 0; b < valid.size(); ++b) {
+      const std::int64_t hidden = std::max<std::int64_t>(0, k.size(-2) - valid[b]);
+      if (hidden == 0) continue;
+      T mask = torch::zeros({k.size(0), 1, 1, k.size(-2)},
+                            torch::TensorOptions().dtype(torch::kBool).device(k.device()));
+      mask[static_cast<std::int64_t>(b)].narrow(-1, k.size(-2) - hidden, hidden).fill_(true);
+      scores = scores.masked_fill(mask, -std::numeric_limits<float>::infinity());
+    }
+    return torch::softmax(scores, -1);
+  }
+  static T attend(const T& weights, const T& v) {
+    const T mixed = torch::matmul(weights, by_heads(v, weights.size(1))).transpose(1, 2);
+    return mixed.reshape({v.size(0), weights.size(2), v.size(-1)});
   }
   static T gelu(const T& x) { return torch::gelu(x); }
   static T silu(const T& x) { return torch::silu(x); }
@@ -54,16 +94,16 @@ struct Operations<torch::Tensor> {
   }
   static T interpolate_rows(const T& x, std::span<const double> positions) {
     const auto count = static_cast<std::int64_t>(positions.size()), last = x.size(-2) - 1;
-    const T before = torch::empty({count}, torch::kLong), part = torch::empty({count, 1});
+    const T before = torch::empty({count}, torch::kLong), part = torch::empty({count, 1}, torch::kDouble);
     for (std::int64_t i = 0; i < count; ++i) {
       const double inside =
           std::clamp(positions[static_cast<std::size_t>(i)], 0.0, static_cast<double>(last));
       before.data_ptr<std::int64_t>()[i] = static_cast<std::int64_t>(inside);
-      part.data_ptr<float>()[i] = static_cast<float>(inside - std::floor(inside));
+      part.data_ptr<double>()[i] = inside - std::floor(inside);
     }
     const T from = x.index_select(-2, before.to(x.device()));
     const T to = x.index_select(-2, torch::clamp(before + 1, 0, last).to(x.device()));
-    return from + part.to(x.device()) * (to - from);
+    return from + part.to(x.options()) * (to - from);
   }
   static T one_hot(const T& x, std::int64_t index, std::int64_t width) {
     T row = zero_rows(x, 1, width);
@@ -88,11 +128,32 @@ struct Operations<torch::Tensor> {
     shape[shape.size() - 1] = width;
     return torch::zeros(shape, x.options().requires_grad(false));
   }
+  static T zero_after(const T& x, std::span<const std::int64_t> valid) {
+    return valid.empty() ? x : x.masked_fill(after(x, valid), 0.0);
+  }
+  static T replace_rows(const T& x, std::span<const std::uint8_t> flags, const T& row) {
+    T mask = torch::empty({x.size(0), x.size(1), 1}, torch::kBool);
+    std::transform(flags.begin(), flags.end(), mask.data_ptr<bool>(), [](std::uint8_t f) { return f != 0; });
+    return torch::where(mask.to(x.device()), row, x);
+  }
   static T unfold(const T& x, std::int64_t kernel, std::int64_t dilation) {
     const std::int64_t count = x.size(-2) - (kernel - 1) * dilation;
     std::vector<T> taps;
     for (std::int64_t k = 0; k < kernel; ++k) taps.push_back(x.narrow(-2, k * dilation, count));
     return torch::cat(taps, -1);
+  }
+
+ private:
+  /// [batch, N, heads * d] -> [batch, heads, N, d]
+  static T by_heads(const T& x, std::int64_t heads) {
+    return x.reshape({x.size(0), x.size(1), heads, x.size(2) / heads}).transpose(1, 2);
+  }
+  /// [batch, N, 1]: true from row valid[batch] on.
+  static T after(const T& x, std::span<const std::int64_t> valid) {
+    const T limits =
+        torch::tensor(std::vector<std::int64_t>(valid.begin(), valid.end()), torch::kLong).to(x.device());
+    const T index = torch::arange(x.size(1), limits.options());
+    return (index.unsqueeze(0) >= limits.unsqueeze(1)).unsqueeze(-1);
   }
 };
 

@@ -17,6 +17,8 @@ class Initialise : public ParameterVisitor<Initialise> {
  public:
   explicit Initialise(std::uint64_t seed) : seed_(seed) {}
   void matrix(std::string_view name, torch::Tensor& slot, std::int64_t out, std::int64_t in, Init init);
+  void convolution(std::string_view name, torch::Tensor& slot, std::int64_t out, std::int64_t in,
+                   std::int64_t kernel, Init init);
   void tensor(std::string_view name, torch::Tensor& slot, const Shape& shape, Init init);
   void buffer(std::string_view name, torch::Tensor& slot, const Shape& shape);
 
@@ -34,6 +36,10 @@ class Collect : public ParameterVisitor<Collect> {
     bool trained;
   };
   void matrix(std::string_view name, torch::Tensor& slot, std::int64_t, std::int64_t, Init) {
+    entries.push_back({full_name(name), &slot, true});
+  }
+  void convolution(std::string_view name, torch::Tensor& slot, std::int64_t, std::int64_t, std::int64_t,
+                   Init) {
     entries.push_back({full_name(name), &slot, true});
   }
   void tensor(std::string_view name, torch::Tensor& slot, const Shape&, Init) {

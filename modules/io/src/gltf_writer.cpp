@@ -14,6 +14,7 @@ namespace {
 using namespace io;
 
 constexpr int kUnsignedByte = 5121, kUnsignedShort = 5123, kUnsignedInt = 5125, kFloat = 5126;
+constexpr int kPoints = 0;  // primitive.mode
 
 bool is_finite(Vec3 p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
 
@@ -36,7 +37,7 @@ void check(const CharacterPart& part) {
   const std::string where = "write_glb: part '" + part.name + "': ";
   const Mesh& mesh = part.mesh;
   const std::size_t num_vertices = mesh.positions.size();
-  contract(num_vertices > 0 && !mesh.triangles.empty(), where + "no vertices or no triangles");
+  contract(num_vertices > 0, where + "no vertices");
   contract(mesh.normals.empty() || mesh.normals.size() == num_vertices,
            where + "one normal per vertex expected");
   contract(mesh.colors.empty() || mesh.colors.size() == num_vertices,
@@ -268,13 +269,17 @@ Json material_of(const CharacterPart& part) {
 Json add_primitive(GltfBuilder& builder, const Character& character, std::size_t index,
                    const std::vector<std::string>& targets, const GltfWriteOptions& options) {
   const CharacterPart& part = character.parts[index];
-  const auto normals = unit_normals(part.mesh);
+  const bool is_points = part.mesh.triangles.empty();
   Json primitive;
   primitive["attributes"]["POSITION"] = add_positions(builder, part.mesh.positions);
-  primitive["attributes"]["NORMAL"] = add_normals(builder, normals);
+  if (!is_points) primitive["attributes"]["NORMAL"] = add_normals(builder, unit_normals(part.mesh));
   if (!part.mesh.colors.empty()) primitive["attributes"]["COLOR_0"] = add_colors(builder, part.mesh.colors);
-  primitive["indices"] = add_triangles(builder, part.mesh);
-  if (!targets.empty()) primitive["targets"] = add_targets(builder, part, targets, options.normals);
+  if (is_points)
+    primitive["mode"] = kPoints;
+  else
+    primitive["indices"] = add_triangles(builder, part.mesh);
+  if (!targets.empty())
+    primitive["targets"] = add_targets(builder, part, targets, options.normals && !is_points);
   builder.json["materials"].push_back(material_of(part));
   primitive["material"] = builder.json["materials"].size() - 1;
   primitive["extras"] = {{"part", part.name}, {"order", index}};
@@ -323,6 +328,11 @@ Result<Bytes> write_glb(const Character& character, const GltfWriteOptions& opti
 
   GltfBuilder builder;
   builder.json["asset"] = {{"version", "2.0"}, {"generator", "Mien"}};
+  if (!options.extras.empty()) {
+    Json extras = Json::parse(options.extras, nullptr, /*allow_exceptions=*/false);
+    contract(extras.is_object(), "write_glb: the extras are not a JSON object");
+    builder.json["asset"]["extras"] = std::move(extras);
+  }
   builder.json["scene"] = 0;
   builder.json["scenes"] = Json::array({{{"nodes", {0}}}});
   if (!character.name.empty()) builder.json["scenes"][0]["name"] = character.name;

@@ -10,6 +10,7 @@
 #include "mien/core/arkit.h"
 #include "mien/core/rig_controls.h"
 #include "mien/io/live_link_csv.h"
+#include "mien/io/metahuman_csv.h"
 #include "mien/io/motion_json.h"
 #include "mien/io/npy.h"
 
@@ -137,6 +138,8 @@ std::span<const std::string_view> motion_extensions() { return kExtensions; }
 
 Status write_motion(const std::filesystem::path& path, const Motion& motion, const MotionContext& context) {
   const std::string extension = lower_extension(path);
+  if (path.filename().string().ends_with(".metahuman.csv"))
+    return write_text(path, [&](const TextSink& sink) { return write_metahuman_csv(motion, sink); });
   if (extension == ".csv")
     return write_text(path, [&](const TextSink& sink) { return write_live_link_csv(motion, sink); });
   if (extension == ".json")

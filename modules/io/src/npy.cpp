@@ -125,7 +125,7 @@ Bytes write_npy(const NpyArray& array) {
   return bytes;
 }
 
-Result<NpyArray> read_npy(std::span<const std::byte> bytes) {
+Result<NpyLayout> read_npy_layout(std::span<const std::byte> bytes) {
   if (bytes.size() < kMagicSize + 4 || std::memcmp(bytes.data(), kMagic, kMagicSize) != 0)
     return bad("it does not start like a NumPy array");
   const int version = std::to_integer<int>(bytes[kMagicSize]);
@@ -157,8 +157,15 @@ Result<NpyArray> read_npy(std::span<const std::byte> bytes) {
   const auto size = checked_multiply(count, item);
   if (!size || data.size() != *size)
     return bad("it has " + std::to_string(data.size()) + " bytes of data, its shape needs another number");
-  NpyArray array{*header.shape, std::vector<float>(count)};
-  if (item == 4) {
+  return NpyLayout{*header.shape, item, bytes.size() - data.size()};
+}
+
+Result<NpyArray> read_npy(std::span<const std::byte> bytes) {
+  MIEN_TRY(const NpyLayout layout, read_npy_layout(bytes));
+  const auto data = bytes.subspan(layout.data_offset);
+  const std::size_t count = data.size() / layout.item_size;
+  NpyArray array{layout.shape, std::vector<float>(count)};
+  if (layout.item_size == 4) {
     if (count > 0) std::memcpy(array.values.data(), data.data(), data.size());
   } else {
     for (std::size_t i = 0; i < count; ++i)

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "mien/core/arkit.h"
+#include "mien/face/vertex_sequence.h"
 #include "mien/render/character_scene.h"
 #include "mien/render/text.h"
 
@@ -14,7 +15,7 @@ constexpr int kMaxSide = 8192;
 
 // Values at an instant, as resample() would give them.
 std::vector<float> values_at(const Motion& motion, double seconds) {
-  std::vector<float> values(motion.channels.size(), 0.0f);
+  std::vector<float> values(static_cast<std::size_t>(motion.num_channels()), 0.0f);
   const std::int64_t count = motion.num_frames();
   if (count == 0) return values;
   const double position = std::clamp(seconds * motion.fps, 0.0, static_cast<double>(count - 1));
@@ -26,8 +27,15 @@ std::vector<float> values_at(const Motion& motion, double seconds) {
 }
 
 void hold_head(const std::vector<std::string>& channels, std::vector<float>& values) {
-  for (std::size_t c = 0; c < values.size(); ++c)
+  for (std::size_t c = 0; c < channels.size(); ++c)
     if (std::find(head_names().begin(), head_names().end(), channels[c]) != head_names().end()) values[c] = 0;
+}
+
+std::int64_t num_vertices(const Character& character) {
+  std::int64_t count = 0;
+  for (const CharacterPart& part : character.parts)
+    count += static_cast<std::int64_t>(part.mesh.positions.size());
+  return count;
 }
 
 std::string joined(const std::vector<std::string>& names) {
@@ -59,6 +67,17 @@ Result<MotionPicture> MotionPicture::create(const Character& character, std::vec
   for (std::size_t i = 0; i < motions.size(); ++i) {
     const Motion& motion = *motions[i];
     const std::string name = options.labels.empty() ? "motion" : "motion '" + options.labels[i] + "'";
+    if (motion.space == MotionSpace::vertices) {
+      if (motion.topology.num_vertices != num_vertices(character))
+        return Error{Errc::incompatible, name,
+                     "moves " + std::to_string(motion.topology.num_vertices) +
+                         " vertices, the character has " + std::to_string(num_vertices(character)),
+                     "Use the mesh that the motion was made for"};
+      if (motion.num_frames() == 0) return Error{Errc::input, name, "has no frames", ""};
+      picture.performers_.push_back(
+          {&motion, options.labels.empty() ? "" : options.labels[i], Poser(character, {})});
+      continue;
+    }
     if (motion.space != MotionSpace::arkit && motion.space != MotionSpace::rig)
       return Error{Errc::incompatible, name, "has no named coefficients that could move a character",
                    "Convert it to ARKit coefficients first"};
@@ -104,7 +123,10 @@ Image MotionPicture::at(double seconds, int num_threads) const {
   for (const Performer& p : performers_) {
     std::vector<float> values = values_at(*p.motion, seconds);
     if (options_.view == CameraView::mouth) hold_head(p.motion->channels, values);
-    p.poser.pose(values, scratch.posed);
+    if (p.motion->space == MotionSpace::vertices)
+      pose_vertices(*character_, values, scratch.posed);
+    else
+      p.poser.pose(values, scratch.posed);
     const Scene scene = character_scene(*character_, scratch.posed);
     blit(picture, render(scene, camera_, shading, &scratch.render).value(), x, 0);
     if (!p.label.empty()) draw_text(picture, x + 6, 4, fit_text(p.label, shading.width - 12));

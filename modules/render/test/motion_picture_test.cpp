@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "ball_character.h"
+#include "mien/face/vertex_sequence.h"
 #include "mien/render/character_scene.h"
 #include "mien/render/heat_colors.h"
 
@@ -39,6 +40,16 @@ TEST(MotionPicture, InterpolatesInTimeAndHoldsTheEnds) {
   EXPECT_EQ(shot(character, motion, -5), shot(character, jaw({0}), 0));
   EXPECT_EQ(shot(character, motion, 1e12), shot(character, jaw({0.5f}), 0));
   EXPECT_EQ(shot(character, motion, static_cast<double>(kNan)), shot(character, jaw({0}), 0));
+}
+
+TEST(MotionPicture, DrawsVerticesAsTheShapesThatMadeThem) {
+  const Character character = ball_character();
+  const Motion curves = jaw({0, 1, 0.5f});
+  const Motion vertices = vertex_sequence(character, curves).value();
+  ASSERT_EQ(vertices.num_frames(), 3);
+  for (const double seconds : {0.1, 0.2})  // at rest the character has normals of its own
+    EXPECT_EQ(shot(character, vertices, seconds), shot(character, curves, seconds)) << seconds;
+  EXPECT_FALSE(shot(character, vertices, 0) == shot(character, vertices, 0.1));
 }
 
 TEST(MotionPicture, NoFramesAndBrokenValuesShowTheFaceAtRest) {
@@ -101,6 +112,9 @@ TEST(MotionPicture, WhatDoesNotFitIsAnErrorOrAWarning) {
   };
   const Motion vertices = vertex_motion({"point", 1}, 30, {0, 0, 0});
   EXPECT_EQ(code(MotionPicture::create(character, {&vertices}, small(8, 8))), Errc::incompatible);
+  const auto total = static_cast<std::int64_t>(character.parts[0].mesh.positions.size());
+  const Motion nothing = vertex_motion({"ball", total}, 30);
+  EXPECT_EQ(code(MotionPicture::create(character, {&nothing}, small(8, 8))), Errc::input);
   Motion stranger{MotionSpace::rig, {"wingFlap"}, 30, {1}};
   const auto unknown = MotionPicture::create(character, {&stranger}, small(8, 8));
   ASSERT_EQ(code(unknown), Errc::incompatible);

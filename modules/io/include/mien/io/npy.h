@@ -20,6 +20,16 @@ Bytes npy_header(std::span<const std::int64_t> shape);
 /// Header and data. @pre as many values as the shape says
 Bytes write_npy(const NpyArray& array);
 
+/// What the header of an .npy file says.
+struct NpyLayout {
+  std::vector<std::int64_t> shape;
+  std::size_t item_size = 4;    ///< 4: float32, 8: float64
+  std::size_t data_offset = 0;  ///< of the first number
+};
+/// Reads the header and checks that the data fits it, without touching the data: for large files that are
+/// mapped. Errors: those of read_npy().
+Result<NpyLayout> read_npy_layout(std::span<const std::byte> bytes);
+
 /// Reads versions 1.0 to 3.0 with little-endian float32 or float64 data (rounded to float32) in C order.
 /// Errors (Errc::input): damaged header, missing or left-over bytes; (Errc::incompatible): other types,
 /// Fortran order.

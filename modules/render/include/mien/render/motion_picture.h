@@ -30,9 +30,10 @@ struct MotionPictureOptions {
 class MotionPicture {
  public:
   /// @param character, motions  borrowed: must outlive this object
-  /// Errors: Errc::usage for options outside of their range; Errc::incompatible for a motion of another kind
-  /// than named coefficients, or one of which no channel moves the character. A motion without frames shows
-  /// the face at rest. Warnings name the channels that move nothing.
+  /// Errors: Errc::usage for options outside of their range; Errc::incompatible for a motion that is neither
+  /// named coefficients nor the positions of as many vertices as the character's parts have together, or one of
+  /// which no channel moves the character. A motion of coefficients without frames shows the face at rest, one of
+  /// vertices is an error (Errc::input). Warnings name the channels that move nothing.
   static Result<MotionPicture> create(const Character& character, std::vector<const Motion*> motions,
                                       const MotionPictureOptions& options);
 

@@ -65,17 +65,19 @@ bool is_contiguous(const PickleTensor& tensor) {
   return true;
 }
 
-Bytes gather(const PickleTensor& tensor, std::span<const std::byte> storage, std::size_t count) {
+// The elements of a tensor where they lie in its storage one behind the other; else gathered into `copy`.
+std::span<const std::byte> elements_of(const PickleTensor& tensor, std::span<const std::byte> storage,
+                                       std::size_t count, Bytes& copy) {
   if (count == 0) return {};
   const std::size_t size = dtype_size(tensor.dtype);
   const auto start = static_cast<std::size_t>(tensor.offset + tensor.storage.view_offset);
+  if (is_contiguous(tensor)) return storage.subspan(start * size, count * size);
   const std::byte* first = storage.data() + start * size;
-  if (is_contiguous(tensor)) return {first, first + count * size};
-  Bytes out(count * size);
+  copy.resize(count * size);
   std::vector<std::int64_t> index(tensor.shape.size(), 0);
   std::int64_t at = 0;
   for (std::size_t i = 0; i < count; ++i) {
-    std::memcpy(out.data() + i * size, first + static_cast<std::size_t>(at) * size, size);
+    std::memcpy(copy.data() + i * size, first + static_cast<std::size_t>(at) * size, size);
     for (std::size_t d = index.size(); d-- > 0;) {
       at += tensor.strides[d];
       if (++index[d] < tensor.shape[d]) break;
@@ -83,7 +85,7 @@ Bytes gather(const PickleTensor& tensor, std::span<const std::byte> storage, std
       index[d] = 0;
     }
   }
-  return out;
+  return copy;
 }
 
 }  // namespace
@@ -186,13 +188,19 @@ const StoredTensor* TorchCheckpoint::find(std::string_view name) const {
   return found == state_->index.end() ? nullptr : &state_->tensors[found->second];
 }
 
-Result<Bytes> TorchCheckpoint::read(std::string_view name) const {
+Result<std::span<const std::byte>> TorchCheckpoint::elements(std::string_view name, Bytes& copy) const {
   const auto found = state_->index.find(std::string(name));
   if (found == state_->index.end())
     return Error{Errc::incompatible, state_->name, "has no tensor '" + std::string(name) + "'", ""};
   const PickleTensor& tensor = *state_->views[found->second];
   MIEN_TRY(const auto storage, state_->storage(std::string(tensor.storage.key)));
-  return gather(tensor, storage, static_cast<std::size_t>(state_->tensors[found->second].count()));
+  return elements_of(tensor, storage, static_cast<std::size_t>(state_->tensors[found->second].count()), copy);
+}
+
+Result<Bytes> TorchCheckpoint::read(std::string_view name) const {
+  Bytes copy;
+  MIEN_TRY(const auto stored, elements(name, copy));
+  return copy.empty() ? Bytes(stored.begin(), stored.end()) : std::move(copy);
 }
 
 Result<std::vector<float>> TorchCheckpoint::read_float(std::string_view name) const {
@@ -201,9 +209,10 @@ Result<std::vector<float>> TorchCheckpoint::read_float(std::string_view name) co
     return Error{Errc::incompatible, state_->name + ": tensor '" + tensor->name + "'",
                  "has dtype " + std::string(dtype_name(tensor->dtype)) + ", expected F64, F32, F16 or BF16",
                  ""};
-  MIEN_TRY(const auto bytes, read(name));
+  Bytes copy;
+  MIEN_TRY(const auto stored, elements(name, copy));
   std::vector<float> values(static_cast<std::size_t>(tensor->count()));
-  for_each_float(tensor->dtype, bytes, [&](std::size_t i, float value) { values[i] = value; });
+  for_each_float(tensor->dtype, stored, [&](std::size_t i, float value) { values[i] = value; });
   return values;
 }
 

@@ -47,6 +47,7 @@ class TorchCheckpoint {
   struct State;
   explicit TorchCheckpoint(std::unique_ptr<State> state);
   static Result<TorchCheckpoint> check(std::unique_ptr<State> state);
+  Result<std::span<const std::byte>> elements(std::string_view name, Bytes& copy) const;
   std::unique_ptr<State> state_;
 };
 

@@ -1,5 +1,7 @@
 #pragma once
+#include <map>
 #include <optional>
+#include <string>
 #include <string_view>
 
 #include "mien/base/result.h"
@@ -30,6 +32,7 @@ struct Sizes {
 };
 
 /// Read from names and shapes of the stored tensors. Errors (Errc::incompatible): weights of no variant.
+Result<Sizes> sizes_of(const std::map<std::string, Shape>& shapes);
 Result<Sizes> sizes_of(const SafetensorsFile& file);
 
 /// Everything about a performance that no diffusion step changes.

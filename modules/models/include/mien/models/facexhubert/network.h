@@ -1,4 +1,7 @@
 #pragma once
+#include <map>
+#include <string>
+
 #include "mien/base/result.h"
 #include "mien/io/safetensors.h"
 #include "mien/nn/layers.h"
@@ -15,6 +18,7 @@ struct Sizes {
 };
 
 /// Read from the shapes of the stored tensors. Errors (Errc::incompatible): not such weights.
+Result<Sizes> sizes_of(const std::map<std::string, Shape>& shapes);
 Result<Sizes> sizes_of(const SafetensorsFile& file);
 
 /// FaceXHuBERT behind its speech encoder: a GRU over pairs of features whose states are scaled by the subject

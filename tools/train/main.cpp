@@ -1,36 +1,35 @@
 // mien-train: trains the default model from a prepared set. `mien train` calls it.
 #include <CLI/CLI.hpp>
-#include <fstream>
 
 #include "mien/base/number_text.h"
 #include "mien/console/console_exit.h"
 #include "mien/models/default/model_metadata.h"
+#include "step_log.h"
 #include "training_config.h"
 
 namespace mien::train {
 namespace {
 
-// One line per step in <work folder>/log.tsv, and the loss behind the progress bar.
-class StepLog {
+// Each step in the log, and the loss behind the progress bar.
+class StepReporter {
  public:
-  StepLog(const std::filesystem::path& path, ConsoleProgress& progress)
-      : file_(path, std::ios::app), progress_(progress) {}
+  StepReporter(const std::filesystem::path& path, ConsoleProgress& progress)
+      : log_(path), progress_(progress) {}
 
-  void begin(std::string stage) { stage_ = std::move(stage), smooth_ = -1; }
+  void begin(std::string stage) { log_.begin(std::move(stage)), smooth_ = -1; }
   void operator()(const StepReport& r) {
     smooth_ = smooth_ < 0 ? r.loss : 0.98 * smooth_ + 0.02 * r.loss;
-    file_ << stage_ << '\t' << r.step << '\t' << shortest(static_cast<float>(r.loss)) << '\t'
-          << shortest(static_cast<float>(r.learning_rate)) << '\t'
-          << shortest(static_cast<float>(r.gradient_norm)) << '\n';
-    if (r.step % 100 == 0) file_.flush();
     progress_.note("loss " + fixed(smooth_, 4));
+    const auto done = log_.add(r.step, r.loss, r.learning_rate, r.gradient_norm);
+    if (!done && !is_log_lost_) progress_.warn(done.error().message());
+    is_log_lost_ = !done;
   }
 
  private:
-  std::ofstream file_;
+  StepLog log_;
   ConsoleProgress& progress_;
-  std::string stage_;
   double smooth_ = -1;
+  bool is_log_lost_ = false;
 };
 
 Status export_model(const TrainingConfig& config, const TrainingSet& set, Network& network,
@@ -98,7 +97,7 @@ Status train(const TrainingConfig& config, ConsoleProgress& progress) {
   std::filesystem::create_directories(config.work_folder, ec);
   if (ec) return Error{Errc::failed, config.work_folder.string(), "cannot be created: " + ec.message(), ""};
   const WorkFiles files(config.work_folder);
-  StepLog log(files.log, progress);
+  StepReporter log(files.log, progress);
   const auto report = [&](const StepReport& r) { log(r); };
 
   Network network = initial_network(config, set);

@@ -17,6 +17,8 @@ constexpr std::array kTolerances = {
     Tolerance{"estimate", 1e-5, 0, "a whole network in float32"},
     Tolerance{"walk", 1e-5, 0, "up to 40 steps; errors do not grow, each step pulls towards its estimate"},
     Tolerance{"encoder", 1e-4, 0, "float32; every stage of the speech encoders; seen 1.3e-5"},
+    Tolerance{"encoder in double", 2e-6, 1e-6, "recorded from double as float32"},
+    Tolerance{"encoder gradient", 1e-7, 1e-5, "as above; gradients are small"},
     Tolerance{"encoder waveform", 2e-6, 1e-6, "the recorded statistics are float32 sums"},
 };
 

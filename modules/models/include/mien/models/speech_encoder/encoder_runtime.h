@@ -1,0 +1,72 @@
+#pragma once
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "mien/base/result.h"
+#include "mien/io/safetensors.h"
+#include "mien/models/speech_encoder/network.h"
+#include "mien/nn/plain_weights.h"
+#include "mien/tensor/tensor.h"
+
+namespace mien {
+
+/// How the large products of an encoder are computed. Norms, softmax, GELU, the first convolution, the
+/// positional convolution and the attention products are float32 in all of them. docs/performance.md has
+/// speed and error.
+enum class EncoderPrecision {
+  float32,   ///< the bits of a frame do not depend on threads or processor
+  bfloat16,  ///< inputs and weights rounded to 16 bits, float32 sums
+  int8,      ///< weights in 8 bits with a scale per output, inputs with a scale per row
+};
+/// Whether this build and this processor can. float32 always can.
+bool encoder_precision_available(EncoderPrecision precision);
+
+/// Long clips in pieces: each window of frames is encoded with frames of context on both sides, which are
+/// thrown away. Waveform normalisation and the norm of the first convolution still see the whole clip, so
+/// only attention and positional convolution (64 frames to either side) are cut short.
+struct EncoderWindows {
+  std::int64_t frames = 0;  ///< kept of each window; 0: the whole clip at once, exact
+  std::int64_t left = 0, right = 0;
+};
+
+struct EncodeOptions {
+  int num_threads = 1;
+  /// Interpolate to this many frames between convolutions and projection (SAiD); 0: do not.
+  std::int64_t num_frames = 0;
+  EncoderWindows windows;
+  /// For whole clips: called with the input of the first layer (0) and the output of each layer (1 ...).
+  std::function<void(std::int64_t, const Tensor&)> on_hidden;
+};
+
+/// HuBERT or wav2vec 2.0 for running: the network of network.h with its weights packed once, for speed.
+/// Immutable; may be shared by threads.
+class EncoderRuntime {
+ public:
+  /// @pre encoder_precision_available(precision); the weights are loaded
+  explicit EncoderRuntime(SpeechEncoder<PlainWeights> weights,
+                          EncoderPrecision precision = EncoderPrecision::float32);
+  /// Reads the tensors under `prefix`. Errors (Errc::incompatible): as LoadRuntime; a precision that cannot
+  /// be had.
+  static Result<EncoderRuntime> load(const SafetensorsFile& file, const EncoderConfig& config,
+                                     const std::string& prefix = "audio_encoder.",
+                                     EncoderPrecision precision = EncoderPrecision::float32);
+
+  [[nodiscard]] const EncoderConfig& config() const;
+  /// Mono samples at 16 kHz, as decoded: normalised here if the configuration says so -> [T, D], or
+  /// [num_frames, D]. Errors (Errc::input): fewer samples than the first frame sees; samples that are not
+  /// finite.
+  [[nodiscard]] Result<Tensor> encode(std::span<const float> samples,
+                                      const EncodeOptions& options = {}) const;
+  /// The same, handing out the frames of each window as they are ready: what is needed for an hour of speech
+  /// is a window and a copy of the samples.
+  Status encode(std::span<const float> samples, const EncodeOptions& options,
+                const std::function<void(const Tensor&)>& sink) const;
+
+ private:
+  struct State;
+  std::shared_ptr<const State> state_;
+};
+
+}  // namespace mien

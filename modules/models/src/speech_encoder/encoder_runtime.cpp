@@ -1,0 +1,124 @@
+#include "mien/models/speech_encoder/encoder_runtime.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "fast_convolutions.h"
+#include "fast_layers.h"
+#include "mien/base/contract.h"
+#include "mien/models/runtime_parameters.h"
+
+namespace mien {
+namespace {
+
+Backend backend_for(EncoderPrecision precision) {
+  switch (precision) {
+    case EncoderPrecision::bfloat16:
+      return Backend::onednn_bf16;
+    case EncoderPrecision::int8:
+      return Backend::onednn_int8;
+    case EncoderPrecision::float32:
+      break;
+  }
+  return Backend::rowwise;
+}
+
+}  // namespace
+
+bool encoder_precision_available(EncoderPrecision precision) {
+  return backend_available(backend_for(precision));
+}
+
+struct EncoderRuntime::State {
+  State(SpeechEncoder<PlainWeights> weights, EncoderPrecision precision)
+      : config(weights.config),
+        convolutions(config, weights.conv_layers, backend_for(precision)),
+        layers(weights, backend_for(precision)) {}
+
+  EncoderConfig config;
+  speech_encoder::FastConvolutions convolutions;
+  speech_encoder::FastLayers layers;
+};
+
+EncoderRuntime::EncoderRuntime(SpeechEncoder<PlainWeights> weights, EncoderPrecision precision) {
+  contract(encoder_precision_available(precision), "EncoderRuntime: this processor cannot run the precision");
+  state_ = std::make_shared<const State>(std::move(weights), precision);
+}
+
+Result<EncoderRuntime> EncoderRuntime::load(const SafetensorsFile& file, const EncoderConfig& config,
+                                            const std::string& prefix, EncoderPrecision precision) {
+  if (!encoder_precision_available(precision))
+    return Error{Errc::incompatible, "encoder", "this build or processor cannot run the precision asked for",
+                 "Use float32"};
+  MIEN_TRY([[maybe_unused]] const auto valid, config.validate());
+  SpeechEncoder<PlainWeights> weights(config);
+  LoadRuntime load(file, prefix);
+  weights.visit(load);
+  MIEN_TRY([[maybe_unused]] const auto loaded, load.finish());
+  return EncoderRuntime(std::move(weights), precision);
+}
+
+const EncoderConfig& EncoderRuntime::config() const { return state_->config; }
+
+Result<Tensor> EncoderRuntime::encode(std::span<const float> samples, const EncodeOptions& options) const {
+  const std::int64_t width = state_->config.hidden_size;
+  std::vector<Tensor> parts;
+  MIEN_TRY([[maybe_unused]] const auto encoded,
+           encode(samples, options, [&](const Tensor& frames) { parts.push_back(frames); }));
+  if (parts.size() == 1) return std::move(parts[0]);
+  std::int64_t num_rows = 0;
+  for (const Tensor& part : parts) num_rows += part.num_rows();
+  Tensor all = Tensor::uninitialized({num_rows, width});
+  float* to = all.data();
+  for (const Tensor& part : parts) to = std::ranges::copy(part.values(), to).out;
+  return all;
+}
+
+Status EncoderRuntime::encode(std::span<const float> samples, const EncodeOptions& options,
+                              const std::function<void(const Tensor&)>& sink) const {
+  const EncoderConfig& config = state_->config;
+  const EncoderWindows& windows = options.windows;
+  contract(windows.frames >= 0 && windows.left >= 0 && windows.right >= 0 && options.num_frames >= 0,
+           "EncoderRuntime: windows and frames must not be negative");
+  const std::int64_t length = config.num_frames(static_cast<std::int64_t>(samples.size()));
+  if (length == 0)
+    return Error{Errc::input, "speech",
+                 "has " + std::to_string(samples.size()) + " samples, the encoder needs at least " +
+                     std::to_string(config.receptive_field()) + " at 16 kHz",
+                 "Use a longer recording"};
+  if (!std::ranges::all_of(samples, [](float x) { return std::isfinite(x); }))
+    return Error{Errc::input, "speech", "holds samples that are not finite numbers", ""};
+  std::vector<float> normalised(samples.begin(), samples.end());
+  if (config.do_normalize) normalise_waveform(normalised, config.normalise_eps);
+  const auto first_layer = state_->convolutions.fold(normalised);
+
+  const bool interpolated = options.num_frames > 0;
+  const std::int64_t total = interpolated ? options.num_frames : length;
+  const auto positions =
+      interpolated ? SpeechEncoder<Tensor>::aligned_positions(length, total) : std::vector<double>();
+  const std::int64_t kept = windows.frames == 0 ? total : windows.frames;
+  for (std::int64_t begin = 0; begin < total; begin += kept) {
+    const std::int64_t end = std::min(begin + kept, total);
+    const bool whole = windows.frames == 0;
+    const std::int64_t first = whole ? 0 : std::max<std::int64_t>(0, begin - windows.left);
+    const std::int64_t last = whole ? total : std::min(end + windows.right, total);
+    // The frames of the convolutions that frames first ... last - 1 are made from.
+    std::int64_t source = first, source_end = last;
+    std::vector<double> local;
+    if (interpolated) {
+      local.assign(positions.begin() + first, positions.begin() + last);
+      source = static_cast<std::int64_t>(local.front());
+      source_end = std::min(static_cast<std::int64_t>(local.back()) + 2, length);
+      for (double& p : local) p -= static_cast<double>(source);
+    }
+    Tensor x = Tensor::uninitialized({source_end - source, config.conv_dim.back()});
+    state_->convolutions.run(normalised, first_layer, source, source_end - source, x.data(),
+                             options.num_threads);
+    if (interpolated) x = interpolate_rows(x, local);
+    Tensor h = state_->layers.run(std::move(x), options.num_threads, whole ? options.on_hidden : nullptr);
+    sink(whole ? std::move(h) : rows(h, begin - first, end - begin));
+  }
+  return Done{};
+}
+
+}  // namespace mien

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 
-#include "mien/base/hash.h"
 #include "mien/base/parallel.h"
 #include "mien/core/arkit.h"
 
@@ -19,10 +18,6 @@ void drain(DefaultStream& stream, Motion& motion) {
 }
 
 }  // namespace
-
-std::uint64_t performance_seed(std::uint64_t seed, int take) {
-  return take == 0 ? seed : hash_combine(seed, static_cast<std::uint64_t>(take));
-}
 
 Result<Motion> animate(const DefaultModel& model, const AudioClip& clip, const PerformOptions& options,
                        Progress& progress) {

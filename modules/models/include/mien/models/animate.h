@@ -7,6 +7,7 @@
 #include "mien/core/audio_clip.h"
 #include "mien/core/motion.h"
 #include "mien/models/default/stream.h"
+#include "mien/models/seeds.h"
 
 namespace mien {
 
@@ -22,8 +23,5 @@ Result<Motion> animate(const DefaultModel& model, const AudioClip& clip, const P
 Result<std::vector<Motion>> animate(const DefaultModel& model, AudioReader& speech,
                                     const PerformOptions& options, int num_takes, int num_threads,
                                     Progress& progress);
-
-/// Take 0 has the seed itself; the others are derived from it.
-std::uint64_t performance_seed(std::uint64_t seed, int take);
 
 }  // namespace mien

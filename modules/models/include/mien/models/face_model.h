@@ -1,0 +1,66 @@
+#pragma once
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "mien/base/progress.h"
+#include "mien/base/result.h"
+#include "mien/core/audio_clip.h"
+#include "mien/core/motion.h"
+#include "mien/models/model_file.h"
+#include "mien/models/seeds.h"
+#include "mien/motion/sampler.h"
+
+namespace mien {
+
+/// What a performance by a published system may be asked for.
+struct FaceOptions {
+  std::string style;    ///< whose manner: a subject of the model. Empty: the first
+  std::string neutral;  ///< whose neutral face. Empty: the style's own where the file has it, else the first
+  std::string emotion;  ///< one of the model's emotions. Empty: the last, as in the authors' program
+  SamplerOptions sampler{.kind = SamplerKind::ancestral};
+  std::string respacing;    ///< rule for a shorter process (respaced_steps()); empty: all steps
+  std::int64_t skip = 0;    ///< noisiest steps to leave out
+  bool same_noise = false;  ///< fresh noise of a step is the same in all frames ("const noise")
+  std::uint64_t seed = 0;   ///< same seed, same performance
+};
+
+/// A published system, loaded with its speech encoder: FaceXHuBERT or FaceDiffuser. Immutable; may be shared
+/// by threads.
+class FaceModel {
+ public:
+  /// Whether animate() below runs models of this architecture.
+  static bool runs(Architecture architecture);
+  /// Errors: unreadable file (input); another architecture, broken or wrong weights (incompatible).
+  static Result<FaceModel> load(const std::filesystem::path& path, int num_threads = 1);
+  FaceModel(FaceModel&&) noexcept;
+  FaceModel& operator=(FaceModel&&) noexcept;
+  ~FaceModel();
+
+  [[nodiscard]] const ModelFile& description() const;
+  /// A motion of this model without frames.
+  [[nodiscard]] Motion empty_motion() const;
+
+  struct Parts;
+  [[nodiscard]] const Parts& parts() const { return *parts_; }
+
+ private:
+  explicit FaceModel(std::unique_ptr<Parts> parts);
+  std::unique_ptr<Parts> parts_;
+};
+
+/// Receives the next frames of a take, [count, C]. An error stops the work.
+using FrameSink = std::function<Status(int take, std::span<const float> values)>;
+
+/// Speech to motion, `num_takes` performances side by side with the seeds performance_seed(seed, k); frames
+/// arrive in blocks of about five seconds. Bits do not depend on threads. Errors: a clip shorter than a frame
+/// (input), words the model does not know (usage), cancelled.
+Status animate(const FaceModel& model, const AudioClip& clip, const FaceOptions& options, int num_takes,
+               int num_threads, Progress& progress, const FrameSink& sink);
+/// The same with the motions in memory.
+Result<std::vector<Motion>> animate(const FaceModel& model, const AudioClip& clip, const FaceOptions& options,
+                                    int num_takes, int num_threads, Progress& progress);
+
+}  // namespace mien

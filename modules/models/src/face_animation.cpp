@@ -1,0 +1,262 @@
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <optional>
+
+#include "face_parts.h"
+#include "mien/models/alignment.h"
+#include "mien/models/facediffuser/frame_diffusion.h"
+#include "mien/models/seeds.h"
+#include "mien/motion/diffusion_process.h"
+
+namespace mien {
+namespace {
+
+constexpr std::uint32_t kNoiseStream = 2;  // of the diffusion; the default model has 1
+constexpr std::int64_t kBlockFrames = 128;
+
+std::string list_of(const std::vector<std::string>& names) {
+  std::string text;
+  for (const auto& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
+// Index of `wanted` in `names`, or of the default when nothing is wanted.
+Result<std::int64_t> choose(const std::string& option, const std::string& wanted,
+                            const std::vector<std::string>& names, std::size_t by_default) {
+  if (names.empty()) {
+    if (wanted.empty()) return std::int64_t{0};
+    return Error{Errc::usage, option + " '" + wanted + "'", "the model has no such choice",
+                 "Leave the option out"};
+  }
+  if (wanted.empty()) return static_cast<std::int64_t>(by_default);
+  const auto found = std::find(names.begin(), names.end(), wanted);
+  if (found == names.end())
+    return Error{Errc::usage, option + " '" + wanted + "'", "the model does not know it",
+                 "It knows: " + list_of(names)};
+  return static_cast<std::int64_t>(found - names.begin());
+}
+
+// What the words mean for this model.
+struct Conditions {
+  std::int64_t style = 0, emotion = 0;
+  Tensor neutral;  // [1, D]; empty when the output is not a mesh
+};
+
+Result<Conditions> conditions(const FaceModel::Parts& model, const FaceOptions& options) {
+  const ModelFile& d = model.description;
+  Conditions c;
+  const bool is_mesh = d.output.space == "vertices";
+  MIEN_TRY(c.style, choose("--style", options.style, is_mesh ? d.subjects : std::vector<std::string>(), 0));
+  MIEN_TRY(c.emotion,
+           choose("--emotion", options.emotion, d.emotions, d.emotions.empty() ? 0 : d.emotions.size() - 1));
+  std::vector<std::string> names;
+  for (const auto& neutral : model.neutrals) names.push_back(neutral.first);
+  std::string own = options.neutral;
+  if (own.empty() && is_mesh && model.neutral(d.subjects[static_cast<std::size_t>(c.style)]) != nullptr)
+    own = d.subjects[static_cast<std::size_t>(c.style)];
+  MIEN_TRY(const std::int64_t face, choose("--template", own, names, 0));
+  if (is_mesh)
+    c.neutral = names.empty() ? Tensor({1, d.output.channels})
+                              : model.neutrals[static_cast<std::size_t>(face)].second;
+  return c;
+}
+
+// Back from the range of the training data to the rig's own.
+void unscale(const ModelFile& description, Tensor& frames) {
+  if (!description.scaler) return;
+  for (std::int64_t n = 0; n < frames.num_rows(); ++n) {
+    const auto row = frames.row(n);
+    for (std::size_t c = 0; c < row.size(); ++c)
+      row[c] = static_cast<float>((static_cast<double>(row[c]) - description.scaler->min[c]) /
+                                  description.scaler->scale[c]);
+  }
+}
+
+// Makes frames from aligned features [count, f H], block after block.
+using MakeFrames = std::function<Status(const Tensor& speech)>;
+
+// Features as they arrive from the encoder, and the frames of animation that can be made of them. Holds a few
+// blocks, however long the speech is.
+class FeatureFeed {
+ public:
+  FeatureFeed(const Alignment& alignment, std::int64_t num_features, MakeFrames make, Progress& progress)
+      : alignment_(alignment), num_features_(num_features), make_(std::move(make)), progress_(progress) {}
+
+  void push(const Tensor& features) {
+    waiting_ = waiting_.count() == 0 ? features : concat_rows(waiting_, features);
+    while (status_ && next_frame_ < alignment_.num_frames) {
+      const std::int64_t count = std::min(kBlockFrames, alignment_.num_frames - next_frame_);
+      if (rows_needed(next_frame_ + count) > first_row_ + waiting_.num_rows()) break;
+      if (progress_.cancelled()) {
+        status_ = Error{Errc::cancelled, "animating", "interrupted", ""};
+        break;
+      }
+      status_ = make_(block(next_frame_, count));
+      next_frame_ += count;
+      progress_.update(next_frame_);
+      drop_used();
+    }
+  }
+  [[nodiscard]] const Status& status() const { return status_; }
+  [[nodiscard]] bool is_finished() const { return next_frame_ == alignment_.num_frames; }
+
+ private:
+  // Rows of features that frames before `end` read.
+  [[nodiscard]] std::int64_t rows_needed(std::int64_t end) const {
+    if (alignment_.positions.empty()) return end * alignment_.group;
+    const double last = alignment_.positions[static_cast<std::size_t>(end * alignment_.group - 1)];
+    return std::min(static_cast<std::int64_t>(std::ceil(last)) + 1, num_features_);
+  }
+  [[nodiscard]] Tensor block(std::int64_t first, std::int64_t count) const {
+    const std::int64_t group = alignment_.group;
+    if (alignment_.positions.empty())
+      return group_rows(rows(waiting_, first * group - first_row_, count * group), group);
+    std::vector<double> positions;
+    for (std::int64_t i = first * group; i < (first + count) * group; ++i)
+      positions.push_back(alignment_.positions[static_cast<std::size_t>(i)] -
+                          static_cast<double>(first_row_));
+    return group_rows(interpolate_rows(waiting_, positions), group);
+  }
+  void drop_used() {
+    if (next_frame_ >= alignment_.num_frames) return;
+    const std::int64_t group = alignment_.group;
+    const auto still =
+        alignment_.positions.empty()
+            ? next_frame_ * group
+            : static_cast<std::int64_t>(alignment_.positions[static_cast<std::size_t>(next_frame_ * group)]);
+    const std::int64_t used = std::min(still - first_row_, waiting_.num_rows());
+    waiting_ = rows(waiting_, used, waiting_.num_rows() - used);
+    first_row_ += used;
+  }
+
+  const Alignment& alignment_;
+  std::int64_t num_features_;  // A of the whole speech
+  MakeFrames make_;
+  Progress& progress_;
+  Tensor waiting_;  // [.., H], rows of features from first_row_ on
+  std::int64_t first_row_ = 0, next_frame_ = 0;
+  Status status_ = Done{};
+};
+
+Result<DiffusionProcess> diffusion_process(const FaceModel::Parts& model, const FaceOptions& options) {
+  const ModelDiffusion& trained = *model.description.diffusion;
+  const auto schedule = parse_beta_schedule(trained.schedule);
+  if (!schedule)
+    return Error{Errc::incompatible, "model", "has an unknown noise schedule '" + trained.schedule + "'", ""};
+  const DiffusionProcess whole(betas_of(*schedule, trained.steps));
+  MIEN_TRY(const auto kept, respaced_steps(options.respacing, whole.size()));
+  const DiffusionProcess process = whole.respaced(kept);
+  if (options.skip < 0 || options.skip >= process.size())
+    return Error{Errc::usage, "--skip " + std::to_string(options.skip),
+                 "must leave at least one of " + std::to_string(process.size()) + " steps", ""};
+  return process;
+}
+
+// One walk for all takes, side by side through the same weights.
+Result<MakeFrames> diffusing(const FaceModel::Parts& model, const Conditions& given,
+                             const FaceOptions& options, int num_takes, int num_threads,
+                             const FrameSink& sink) {
+  MIEN_TRY(const DiffusionProcess process, diffusion_process(model, options));
+  struct Work {
+    std::vector<SeededFrameNoise> noise;
+    std::optional<facediffuser::FrameDiffusion> diffusion;
+  };
+  const auto work = std::make_shared<Work>();
+  for (int take = 0; take < num_takes; ++take)
+    work->noise.emplace_back(performance_seed(options.seed, take), kNoiseStream, model.folded->noise_width,
+                             options.same_noise);
+  std::vector<facediffuser::Lane> lanes;
+  for (const auto& own : work->noise) {
+    facediffuser::Lane lane;
+    lane.noise = &own;
+    if (model.vertices != nullptr) {
+      lane.style = model.vertices->style(
+          Operations<Tensor>::one_hot({}, given.style, model.vertices->sizes.num_subjects));
+      lane.neutral = given.neutral;
+    }
+    lanes.push_back(std::move(lane));
+  }
+  work->diffusion.emplace(model.folded, process, facediffuser::Walk{options.sampler, options.skip},
+                          std::move(lanes), num_threads);
+  return MakeFrames([&model, &sink, work, num_takes](const Tensor& speech) -> Status {
+    const std::vector<Tensor> same(static_cast<std::size_t>(num_takes), speech);
+    std::vector<Tensor> frames = work->diffusion->next(same);
+    for (int take = 0; take < num_takes; ++take) {
+      Tensor& own = frames[static_cast<std::size_t>(take)];
+      unscale(model.description, own);
+      const Status status = sink(take, own.values());
+      if (!status) return status.error();
+    }
+    return Done{};
+  });
+}
+
+MakeFrames predicting(const FaceModel::Parts& model, const Conditions& given, int num_takes,
+                      const FrameSink& sink) {
+  const auto& sizes = model.facexhubert->sizes;
+  const Tensor subject = Operations<Tensor>::one_hot({}, given.style, sizes.num_subjects);
+  const Tensor emotion = Operations<Tensor>::one_hot({}, given.emotion, sizes.num_emotions);
+  const auto past = std::make_shared<std::vector<Tensor>>();
+  return [&model, &sink, subject, emotion, neutral = given.neutral, past,
+          num_takes](const Tensor& speech) -> Status {
+    const Tensor frames = (*model.facexhubert)(speech, subject, emotion, neutral, past.get());
+    for (int take = 0; take < num_takes; ++take) {  // it has no randomness: takes are equal
+      const Status status = sink(take, frames.values());
+      if (!status) return status.error();
+    }
+    return Done{};
+  };
+}
+
+}  // namespace
+
+Status animate(const FaceModel& model, const AudioClip& clip, const FaceOptions& options, int num_takes,
+               int num_threads, Progress& progress, const FrameSink& sink) {
+  contract(clip.sample_rate_hz == kModelSampleRateHz, "animate: the clip must be at 16 kHz");
+  contract(num_takes >= 1, "animate: at least one take is needed");
+  const FaceModel::Parts& parts = model.parts();
+  MIEN_TRY(const Conditions given, conditions(parts, options));
+  const double fps = parts.description.output.fps;
+  const auto num_samples = static_cast<std::int64_t>(clip.samples.size());
+  const std::int64_t num_features = parts.encoder.config.num_frames(num_samples);
+  const bool is_diffusion = parts.facexhubert == nullptr;
+  const Alignment alignment = align_features(
+      num_features, is_diffusion ? num_diffuser_frames(num_samples, fps) : num_features / 2, fps);
+  if (alignment.num_frames < 1)
+    return Error{Errc::input, "speech",
+                 "is too short: " + std::to_string(num_samples) + " samples at 16 kHz give no frame",
+                 "At least two frames' time is needed"};
+  MakeFrames make;
+  if (is_diffusion) {
+    MIEN_TRY(make, diffusing(parts, given, options, num_takes, num_threads, sink));
+  } else {
+    make = predicting(parts, given, num_takes, sink);
+  }
+  progress.stage("encoding", 0);
+  Tensor wave({num_samples, 1}, clip.samples);
+  if (parts.encoder.config.do_normalize)
+    normalise_waveform(wave.values(), parts.encoder.config.normalise_eps);
+  const Tensor features = parts.encoder(wave);
+  progress.stage("animating", alignment.num_frames);
+  FeatureFeed feed(alignment, num_features, std::move(make), progress);
+  feed.push(features);
+  if (!feed.status()) return feed.status().error();
+  contract(feed.is_finished(), "animate: the encoder gave fewer frames than its configuration says");
+  return Done{};
+}
+
+Result<std::vector<Motion>> animate(const FaceModel& model, const AudioClip& clip, const FaceOptions& options,
+                                    int num_takes, int num_threads, Progress& progress) {
+  std::vector<Motion> motions(static_cast<std::size_t>(std::max(num_takes, 1)), model.empty_motion());
+  const Status status = animate(model, clip, options, num_takes, num_threads, progress,
+                                [&](int take, std::span<const float> values) -> Status {
+                                  auto& own = motions[static_cast<std::size_t>(take)].values;
+                                  own.insert(own.end(), values.begin(), values.end());
+                                  return Done{};
+                                });
+  if (!status) return status.error();
+  return motions;
+}
+
+}  // namespace mien

@@ -1,0 +1,167 @@
+#include "mien/models/face_model.h"
+
+#include "face_parts.h"
+#include "mien/core/arkit.h"
+#include "mien/core/rig_controls.h"
+#include "mien/models/alignment.h"
+#include "mien/models/runtime_parameters.h"
+
+namespace mien {
+namespace {
+
+// A network whose sizes are those of the stored weights.
+template <class Network, class Sizes>
+Result<std::shared_ptr<const Network>> load_network(const SafetensorsFile& file, const Result<Sizes>& sizes) {
+  if (!sizes) return sizes.error();
+  auto network = std::make_shared<Network>(*sizes);
+  LoadRuntime load(file);
+  for (const std::string_view prefix :
+       {ModelFile::kEncoderPrefix, ModelFile::kTemplatePrefix, ModelFile::kRegionPrefix})
+    load.leave_out(std::string(prefix));
+  network->visit(load);
+  const Status status = load.finish();
+  if (!status) return status.error();
+  return std::shared_ptr<const Network>(std::move(network));
+}
+
+Error unfit(const std::string& why) {
+  return {Errc::incompatible, "model", why, "The file may be damaged; import the checkpoint again"};
+}
+
+Status load_decoder(const SafetensorsFile& file, FaceModel::Parts& parts, int num_threads) {
+  using namespace facediffuser;
+  switch (parts.description.architecture) {
+    case Architecture::facexhubert: {
+      MIEN_TRY(parts.facexhubert,
+               load_network<facexhubert::Network<Tensor>>(file, facexhubert::sizes_of(file)));
+      return Done{};
+    }
+    case Architecture::facediffuser_v: {
+      MIEN_TRY(parts.vertices, load_network<VertexDenoiser<Tensor>>(file, sizes_of(file)));
+      parts.folded = std::make_shared<const FoldedDenoiser>(fold(parts.vertices, num_threads));
+      return Done{};
+    }
+    case Architecture::facediffuser_beat: {
+      MIEN_TRY(const auto network, load_network<BeatDenoiser<Tensor>>(file, sizes_of(file)));
+      parts.folded = std::make_shared<const FoldedDenoiser>(fold(network));
+      return Done{};
+    }
+    case Architecture::facediffuser_damm: {
+      MIEN_TRY(const auto network, load_network<DammDenoiser<Tensor>>(file, sizes_of(file)));
+      parts.folded = std::make_shared<const FoldedDenoiser>(fold(network));
+      return Done{};
+    }
+    default:
+      return unfit("is not FaceXHuBERT or FaceDiffuser but '" +
+                   std::string(architecture_name(parts.description.architecture)) + "'");
+  }
+}
+
+// What the description says must be what the weights are: later code relies on it.
+Status check(const FaceModel::Parts& parts, std::int64_t condition, std::int64_t channels,
+             std::int64_t num_subjects, std::int64_t num_emotions, std::int64_t num_steps) {
+  const ModelFile& d = parts.description;
+  const auto differ = [](const std::string& what, std::int64_t said, std::int64_t stored) {
+    return unfit("its description has " + std::to_string(said) + " " + what + ", its weights " +
+                 std::to_string(stored));
+  };
+  if (d.output.channels != channels) return differ("channels", d.output.channels, channels);
+  if (d.output.space == "vertices" && channels % 3 != 0)
+    return unfit("has " + std::to_string(channels) + " channels, which is not three for every vertex");
+  if (!(d.output.fps > 0)) return unfit("does not say its frame rate");
+  const auto subjects = static_cast<std::int64_t>(d.subjects.size());
+  if (num_subjects > 0 && subjects != num_subjects) return differ("subjects", subjects, num_subjects);
+  const auto emotions = static_cast<std::int64_t>(d.emotions.size());
+  if (num_emotions > 0 && emotions != num_emotions) return differ("emotions", emotions, num_emotions);
+  if (num_steps > 0 && (!d.diffusion || d.diffusion->steps < 1 || d.diffusion->steps > num_steps))
+    return unfit("does not say how many diffusion steps it was trained with, or more than its " +
+                 std::to_string(num_steps) + " time tokens");
+  if (d.scaler && (static_cast<std::int64_t>(d.scaler->scale.size()) != channels ||
+                   static_cast<std::int64_t>(d.scaler->min.size()) != channels))
+    return unfit("has a scaler that does not fit its channels");
+  const std::int64_t group = align_features(2, 1, d.output.fps).group;
+  if (group * parts.encoder.config.hidden_size != condition)
+    return unfit("takes " + std::to_string(condition) + " speech features a frame, but " +
+                 std::to_string(group) + " frames of its encoder have " +
+                 std::to_string(group * parts.encoder.config.hidden_size));
+  return Done{};
+}
+
+}  // namespace
+
+bool FaceModel::runs(Architecture architecture) {
+  return architecture == Architecture::facexhubert || architecture == Architecture::facediffuser_v ||
+         architecture == Architecture::facediffuser_beat || architecture == Architecture::facediffuser_damm;
+}
+
+FaceModel::FaceModel(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
+FaceModel::FaceModel(FaceModel&&) noexcept = default;
+FaceModel& FaceModel::operator=(FaceModel&&) noexcept = default;
+FaceModel::~FaceModel() = default;
+
+const ModelFile& FaceModel::description() const { return parts_->description; }
+
+Result<FaceModel> FaceModel::load(const std::filesystem::path& path, int num_threads) {
+  const std::string name = "loading model '" + path.string() + "'";
+  auto opened = SafetensorsFile::open(path);
+  if (!opened) return opened.error();
+  const SafetensorsFile& file = *opened;
+  const auto fail = [&](const Error& error) { return within(error, name); };
+
+  auto description = read_model_file(file.metadata());
+  if (!description) return fail(description.error());
+  if (!runs(description->architecture))
+    return fail(unfit("is a '" + std::string(architecture_name(description->architecture)) + "'"));
+  if (!description->encoder) return fail(unfit("has no speech encoder"));
+  const EncoderConfig config = *description->encoder;
+  auto parts = std::make_unique<Parts>(
+      Parts{.description = std::move(*description), .encoder = SpeechEncoder<Tensor>(config)});
+  LoadRuntime load(file, std::string(ModelFile::kEncoderPrefix));
+  parts->encoder.visit(load);
+  if (const Status status = load.finish(); !status) return fail(status.error());
+  if (const Status status = load_decoder(file, *parts, num_threads); !status) return fail(status.error());
+
+  Status fits = Done{};
+  if (parts->facexhubert != nullptr) {
+    const auto& s = parts->facexhubert->sizes;
+    fits = check(*parts, s.input, s.num_channels, s.num_subjects, s.num_emotions, 0);
+  } else {
+    const auto sizes = facediffuser::sizes_of(file);
+    fits = check(*parts, sizes->condition, sizes->num_channels, sizes->num_subjects, 0, sizes->num_steps);
+  }
+  if (!fits) return fail(fits.error());
+  for (const std::string& subject : template_subjects(file)) {
+    auto values = read_template(file, subject);
+    if (!values) return fail(values.error());
+    if (static_cast<std::int64_t>(values->size()) != parts->description.output.channels)
+      return fail(unfit("has a neutral face '" + subject + "' of another size"));
+    const auto width = static_cast<std::int64_t>(values->size());
+    parts->neutrals.emplace_back(subject, Tensor({1, width}, *values));
+  }
+  return FaceModel(std::move(parts));
+}
+
+Motion FaceModel::empty_motion() const {
+  const ModelOutput& output = parts_->description.output;
+  if (output.space == "vertices") {
+    Topology topology = topology_of(output.channels / 3);
+    if (!output.topology.empty()) topology.name = output.topology;
+    return vertex_motion(topology, output.fps);
+  }
+  Motion motion;
+  motion.fps = output.fps;
+  motion.space = output.space == "arkit" ? MotionSpace::arkit : MotionSpace::rig;
+  if (motion.space == MotionSpace::arkit)
+    motion.channels = arkit_order(ArkitOrder::beat);
+  else
+    motion.channels = uudamm_controls();
+  if (motion.num_channels() != output.channels) {
+    motion.space = MotionSpace::rig;
+    motion.channels.clear();
+    for (std::int64_t c = 0; c < output.channels; ++c)
+      motion.channels.push_back("channel_" + std::to_string(c));
+  }
+  return motion;
+}
+
+}  // namespace mien

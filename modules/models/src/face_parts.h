@@ -1,0 +1,30 @@
+#pragma once
+#include <utility>
+#include <variant>
+
+#include "mien/models/face_model.h"
+#include "mien/models/facediffuser/folded_denoiser.h"
+#include "mien/models/facexhubert/network.h"
+#include "mien/models/speech_encoder/network.h"
+
+namespace mien {
+
+struct FaceModel::Parts {
+  ModelFile description;
+  SpeechEncoder<Tensor> encoder;
+  std::vector<std::pair<std::string, Tensor>> neutrals{};  ///< [1, D], in the order of the file
+
+  /// The network, by architecture. FaceDiffuser's are kept folded; V also as it is, for its styles.
+  std::shared_ptr<const facexhubert::Network<Tensor>> facexhubert{};
+  std::shared_ptr<const facediffuser::VertexDenoiser<Tensor>> vertices{};
+  std::shared_ptr<const facediffuser::FoldedDenoiser> folded{};
+
+  /// The neutral face of a subject; nullptr when the file has none.
+  [[nodiscard]] const Tensor* neutral(std::string_view subject) const {
+    for (const auto& [name, face] : neutrals)
+      if (name == subject) return &face;
+    return nullptr;
+  }
+};
+
+}  // namespace mien

@@ -1,0 +1,197 @@
+// Published systems from file to motion, on small models with random weights.
+#include "mien/models/face_model.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "import/parameter_list.h"
+#include "mien/models/alignment.h"
+#include "mien/models/facediffuser/plain_sampler.h"
+#include "mien/models/facexhubert/network.h"
+#include "mien/models/speech_encoder/network.h"
+#include "random_network.h"
+
+namespace mien {
+namespace {
+
+using testing::HasSubstr;
+
+EncoderConfig small_encoder() {
+  EncoderConfig c;
+  c.hidden_size = 16;
+  c.num_hidden_layers = 1;
+  c.num_attention_heads = 2;
+  c.intermediate_size = 24;
+  c.conv_dim = std::vector<std::int64_t>(7, 8);
+  c.num_conv_pos_embeddings = 8;
+  c.num_conv_pos_embedding_groups = 2;
+  return c;
+}
+
+ModelFile description(Architecture architecture) {
+  ModelFile m;
+  m.architecture = architecture;
+  m.name = "small";
+  m.encoder = small_encoder();
+  const bool is_mesh =
+      architecture == Architecture::facediffuser_v || architecture == Architecture::facexhubert;
+  m.output = {.space = is_mesh ? "vertices" : "rig",
+              .channels = is_mesh ? 60 : 7,
+              .fps = is_mesh ? 25.0 : 30.0,
+              .topology = ""};
+  if (is_mesh) m.subjects = {"F1", "M2"};
+  if (architecture == Architecture::facexhubert)
+    m.emotions = {"neutral", "expressive"};
+  else
+    m.diffusion = ModelDiffusion{"cosine", 12};
+  return m;
+}
+
+facediffuser::Sizes mesh_sizes() {
+  return {.variant = facediffuser::Variant::vertices,
+          .num_channels = 60,
+          .latent = 6,
+          .hidden = 6,
+          .num_steps = 12,
+          .condition = 32,
+          .num_subjects = 2};
+}
+
+// Random weights for every parameter that the networks name, and a neutral face for M2.
+template <class Network>
+std::filesystem::path write_model(const ModelFile& m, Network network) {
+  SpeechEncoder<Tensor> encoder(*m.encoder);
+  ListParameters list;
+  list.scope("audio_encoder", encoder);
+  network.visit(list);
+  if (m.output.space == "vertices") list.entries.push_back({"template.M2", {m.output.channels}});
+  std::vector<StoredTensor> tensors;
+  for (const auto& e : list.entries) tensors.push_back({e.name, Dtype::f32, e.shape});
+  const auto path = std::filesystem::path(testing::TempDir()) /
+                    ("mien_face_model_" + std::to_string(getpid()) + ".safetensors");
+  auto writer = SafetensorsWriter::create(path, tensors, to_metadata(m));
+  EXPECT_TRUE(writer) << writer.error().message();
+  for (const auto& t : tensors) {
+    std::vector<float> values(static_cast<std::size_t>(t.count()));
+    NoiseField(hash64(t.name), 0).normal(0, 0, values);
+    const bool is_scale = t.name.find("norm") != std::string::npos && t.name.ends_with("weight");
+    for (float& v : values) v = (is_scale ? 1.0f : 0.0f) + 0.3f * v;
+    EXPECT_TRUE(writer->write_float(t.name, values));
+  }
+  EXPECT_TRUE(writer->finish());
+  return path;
+}
+
+std::filesystem::path write_mesh_model() {
+  return write_model(description(Architecture::facediffuser_v),
+                     facediffuser::VertexDenoiser<Tensor>(mesh_sizes()));
+}
+
+AudioClip clip(double seconds) {
+  AudioClip c;
+  c.samples.resize(static_cast<std::size_t>(seconds * 16000));
+  NoiseField(1, 1).normal(0, 0, c.samples);
+  return c;
+}
+
+TEST(FaceModel, AnimatesAMesh) {
+  const auto model = FaceModel::load(write_mesh_model());
+  ASSERT_TRUE(model) << model.error().message();
+  Progress progress;
+  const AudioClip speech = clip(1.3);
+  FaceOptions options;
+  options.style = "F1";
+  options.seed = 4;
+  const auto takes = animate(*model, speech, options, 2, 2, progress);
+  ASSERT_TRUE(takes) << takes.error().message();
+  const Motion& first = takes->front();
+  EXPECT_EQ(first.space, MotionSpace::vertices);
+  EXPECT_EQ(first.num_channels(), 60);
+  EXPECT_EQ(first.fps, 25);
+  EXPECT_EQ(first.num_frames(), num_diffuser_frames(static_cast<std::int64_t>(speech.samples.size()), 25));
+  EXPECT_NE(first.values, takes->back().values);
+  const auto again = animate(*model, speech, options, 1, 1, progress);
+  EXPECT_EQ(again->front().values, first.values) << "a take depends on its seed alone";
+  options.style = "M2";
+  EXPECT_NE(animate(*model, speech, options, 1, 1, progress)->front().values, first.values);
+  options.respacing = "ddim4";
+  options.sampler = {.kind = SamplerKind::ddim};
+  options.skip = 1;
+  EXPECT_TRUE(animate(*model, speech, options, 1, 1, progress));
+}
+
+TEST(FaceModel, AnimatesRigsAndPredictsExpressions) {
+  Progress progress;
+  facediffuser::Sizes beat{.variant = facediffuser::Variant::beat,
+                           .num_channels = 7,
+                           .latent = 4,
+                           .hidden = 5,
+                           .num_steps = 12,
+                           .condition = 32};
+  const auto rig = FaceModel::load(
+      write_model(description(Architecture::facediffuser_beat), facediffuser::BeatDenoiser<Tensor>(beat)));
+  ASSERT_TRUE(rig) << rig.error().message();
+  const auto curves = animate(*rig, clip(0.9), {}, 1, 1, progress);
+  ASSERT_TRUE(curves) << curves.error().message();
+  EXPECT_EQ(curves->front().num_frames(), num_diffuser_frames(14400, 30));
+
+  const facexhubert::Sizes sizes{
+      .input = 32, .hidden = 5, .num_layers = 2, .num_subjects = 2, .num_emotions = 2, .num_channels = 60};
+  const auto mesh = FaceModel::load(
+      write_model(description(Architecture::facexhubert), facexhubert::Network<Tensor>(sizes)));
+  ASSERT_TRUE(mesh) << mesh.error().message();
+  FaceOptions options;
+  const auto expressive = animate(*mesh, clip(0.9), options, 1, 1, progress);
+  ASSERT_TRUE(expressive) << expressive.error().message();
+  EXPECT_EQ(expressive->front().num_frames(), small_encoder().num_frames(14400) / 2);
+  options.emotion = "neutral";
+  EXPECT_NE(animate(*mesh, clip(0.9), options, 1, 1, progress)->front().values, expressive->front().values);
+}
+
+TEST(FaceModel, RefusesWhatItDoesNotKnow) {
+  const auto model = FaceModel::load(write_mesh_model());
+  ASSERT_TRUE(model);
+  Progress progress;
+  const auto refusal = [&](const FaceOptions& options, const AudioClip& speech) {
+    const auto takes = animate(*model, speech, options, 1, 1, progress);
+    return takes ? Error{Errc::failed, "", "", ""} : takes.error();
+  };
+  FaceOptions style, neutral, emotion, respacing, skip;
+  style.style = "F9";
+  neutral.neutral = "F1";
+  emotion.emotion = "happy";
+  respacing.respacing = "13";
+  skip.skip = 12;
+  EXPECT_THAT(refusal(style, clip(1)).message(), HasSubstr("It knows: F1, M2"));
+  EXPECT_THAT(refusal(neutral, clip(1)).message(), HasSubstr("It knows: M2"));
+  for (const auto& options : {style, neutral, emotion, respacing, skip})
+    EXPECT_EQ(refusal(options, clip(1)).code, Errc::usage);
+  for (const std::size_t num_samples : {0u, 1u, 399u, 400u, 1279u}) {
+    AudioClip speech;
+    speech.samples.resize(num_samples);
+    EXPECT_EQ(refusal({}, speech).code, Errc::input) << num_samples;
+  }
+  progress.cancel();
+  EXPECT_EQ(refusal({}, clip(1)).code, Errc::cancelled);
+}
+
+TEST(FaceModel, RefusesADescriptionThatDoesNotFitTheWeights) {
+  const facediffuser::VertexDenoiser<Tensor> network(mesh_sizes());
+  ModelFile channels = description(Architecture::facediffuser_v), steps = channels, subjects = channels,
+            encoder = channels, other = channels;
+  channels.output.channels = 63;
+  steps.diffusion->steps = 13;
+  subjects.subjects = {"F1"};
+  encoder.encoder->hidden_size = 24;
+  encoder.encoder->intermediate_size = 24;
+  other.architecture = Architecture::facexhubert;
+  for (const auto& wrong : {channels, steps, subjects, encoder, other}) {
+    const auto model = FaceModel::load(write_model(wrong, network));
+    ASSERT_FALSE(model);
+    EXPECT_EQ(model.error().code, Errc::incompatible) << model.error().message();
+  }
+}
+
+}  // namespace
+}  // namespace mien

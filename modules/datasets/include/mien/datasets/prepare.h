@@ -1,0 +1,45 @@
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+#include "mien/base/progress.h"
+#include "mien/base/result.h"
+#include "mien/datasets/layout.h"
+
+namespace mien {
+
+struct PrepareOptions {
+  std::filesystem::path
+      templates;  ///< biwi_expressive: unscaled templates (templates_orig.pkl); see load_templates()
+  std::filesystem::path mesh;  ///< biwi: a mesh with the triangles of the frames (.obj, .ply)
+};
+
+struct PrepareReport {
+  std::int64_t num_sequences = 0, num_frames = 0;
+};
+
+/// Turns recordings as their makers deliver them into the layout of open_dataset(). `out` is made when
+/// missing; files of the same names are replaced.
+///
+/// biwi_expressive (FaceXHuBERT specification, section 4) and biwi (FaceDiffuser specification,
+/// section 10.1): every folder below `raw` that holds .vl frames is a sequence, named by its last two folders
+/// (F1/e01 or F1/01) or by the last (F1_e01); frames are taken by their number. Sound is the file
+/// <subject>_<sentence>_cut.wav or <subject>_<sentence>.wav anywhere below, or <sentence>_cut.wav in the
+/// subject's folder. For biwi_expressive e01 ... becomes sentence 41 ..., meshes are scaled by the box of the
+/// subject's template, and the scaled templates are written beside them; biwi keeps the emotional readings
+/// alone and scales each frame by its area.
+///
+/// beat (FaceDiffuser specification, section 10.4): every <actor>_<name>_<0>_<e>_....json below `raw` with
+/// its .wav is a recording; pieces of 600 of its frames at 60 a second become 300 at 30, with ten seconds of
+/// sound each (mono, 16 kHz, 32-bit float: what every model hears), named <actor>_<emotion>_<running index>.
+/// Recordings of an actor are taken in the order of their names.
+///
+/// Warnings: recordings that were left out, and why. Errors: Errc::usage for the other data sets, whose raw
+/// form is not published or needs their makers' programs; Errc::input when nothing was found or a file is
+/// damaged; Errc::incompatible when meshes, templates and triangles do not fit; Errc::cancelled.
+Result<PrepareReport> prepare_dataset(DatasetKind kind, const std::filesystem::path& raw,
+                                      const std::filesystem::path& out, const PrepareOptions& options,
+                                      Progress& progress);
+
+}  // namespace mien

@@ -1,0 +1,78 @@
+#include "mien/datasets/sequence_pairs.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tiny_data.h"
+
+namespace mien {
+namespace {
+
+using testing::ElementsAre;
+
+// Two folders with empty arrays of these names.
+struct Folders {
+  tiny::Folder predicted, truth;
+  Folders(const std::vector<std::string>& predictions, const std::vector<std::string>& truths) {
+    for (const auto& name : predictions) tiny::write_ramp(predicted.path() / (name + ".npy"), 1, 3);
+    for (const auto& name : truths) tiny::write_ramp(truth.path() / (name + ".npy"), 1, 3);
+  }
+  [[nodiscard]] Result<PairedSequences> pair(PairRule rule) const {
+    return pair_sequences(predicted.path(), truth.path(), rule);
+  }
+};
+
+std::vector<std::string> names_of(const PairedSequences& paired) {
+  std::vector<std::string> names;
+  for (const auto& pair : paired.pairs)
+    names.push_back(pair.predicted.stem().string() + "|" + pair.truth.stem().string());
+  return names;
+}
+
+TEST(SequencePairs, ComparePredictionsInTheirOwnStyle) {
+  const Folders folders(
+      {"F2_e37_condition_F2", "F2_e37_condition_F3", "F3_e37_condition_F3_1", "F3_e37_condition_F3_2",
+       "M4_e37", "F1_e37_condition_F2", "F1_e37_condition_F3", "F5_e37_condition_F2", "F2_e99"},
+      {"F2_e37", "F3_e37", "M4_e37", "F1_e37", "F2_e40"});
+  const auto paired = folders.pair(PairRule::vertices);
+  ASSERT_TRUE(paired) << paired.error().message();
+  EXPECT_THAT(names_of(*paired), ElementsAre("F2_e37_condition_F2|F2_e37", "F3_e37_condition_F3_1|F3_e37",
+                                             "F3_e37_condition_F3_2|F3_e37", "M4_e37|M4_e37"));
+  EXPECT_EQ(paired->pairs[0].subject, "F2");
+  ASSERT_EQ(paired->takes.size(), 1u);  // F5 has one condition alone
+  EXPECT_EQ(paired->takes.at("F1_e37").size(), 2u);
+  EXPECT_THAT(paired->without_truth, ElementsAre("F2_e99"));
+  EXPECT_THAT(paired->without_prediction, ElementsAre("F2_e40"));
+}
+
+TEST(SequencePairs, SubjectsMayHaveUnderscores) {
+  const Folders folders({"FaceTalk_1_TA_sentence01_condition_FaceTalk_1_TA",
+                         "FaceTalk_2_03_sentence01_condition_FaceTalk_2_03"},
+                        {"FaceTalk_1_TA_sentence01", "FaceTalk_2_03_sentence01"});
+  EXPECT_EQ(folders.pair(PairRule::vertices)->pairs.size(), 2u);
+}
+
+TEST(SequencePairs, ControlsGoByTheirFirstFields) {
+  const Folders beat({"2_8_01_sample", "2_3_04"}, {"2_8_01", "2_3_04_truth"});
+  EXPECT_THAT(names_of(*beat.pair(PairRule::beat)),
+              ElementsAre("2_3_04|2_3_04_truth", "2_8_01_sample|2_8_01"));
+  const Folders uudamm({"2_01_Damm", "1_02"}, {"2_01", "1_02"});
+  EXPECT_EQ(uudamm.pair(PairRule::uudamm)->pairs.size(), 2u);
+}
+
+TEST(SequencePairs, TwoFilesAreMeant) {
+  const Folders folders({"a"}, {"b"});
+  const auto paired =
+      pair_sequences(folders.predicted.path() / "a.npy", folders.truth.path() / "b.npy", PairRule::vertices);
+  ASSERT_TRUE(paired);
+  EXPECT_EQ(paired->pairs.size(), 1u);
+}
+
+TEST(SequencePairs, NothingToPairIsAnError) {
+  EXPECT_EQ(Folders({"a", "b"}, {"c"}).pair(PairRule::vertices).error().code, Errc::input);
+  EXPECT_EQ(Folders({}, {}).pair(PairRule::vertices).error().code, Errc::input);
+  EXPECT_EQ(pair_sequences("nowhere", "nowhere", PairRule::vertices).error().code, Errc::input);
+}
+
+}  // namespace
+}  // namespace mien

@@ -1,0 +1,149 @@
+// Errors of sequences against what the authors' evaluation programs computed.
+#include <algorithm>
+#include <map>
+
+#include "closeness.h"
+#include "fixture.h"
+#include "mien/metrics/control_error.h"
+#include "mien/metrics/surface_distance.h"
+#include "mien/metrics/vertex_error.h"
+#include "mien/metrics/vertex_regions.h"
+
+namespace mien::parity {
+namespace {
+
+using Values = std::vector<double>;
+
+// The part of a name behind "gt.", "pred." or "div.", of all tensors that start so, in the order of the file.
+std::vector<std::string> names_of(const Fixture& fixture, const std::string& prefix) {
+  std::vector<std::string> names;
+  for (const auto& tensor : fixture.file().tensors())
+    if (tensor.name.starts_with(prefix)) names.push_back(tensor.name.substr(prefix.size()));
+  return names;
+}
+
+Motion vertices(const Fixture& fixture, const std::string& name) {
+  const Tensor values = fixture.tensor(name);
+  return vertex_motion({"recorded", values.shape().back() / 3}, 25,
+                       {values.values().begin(), values.values().end()});
+}
+
+Motion controls(const Fixture& fixture, const std::string& name) {
+  const Tensor values = fixture.tensor(name);
+  Motion motion{MotionSpace::rig, {}, 30, {values.values().begin(), values.values().end()}};
+  for (std::int64_t c = 0; c < values.shape().back(); ++c) motion.channels.push_back(std::to_string(c));
+  return motion;
+}
+
+std::vector<std::uint32_t> indices(const Fixture& fixture, const std::string& name) {
+  const auto values = fixture.integers(name);
+  return {values.begin(), values.end()};
+}
+
+// Weights as the data set's text file, one a line.
+std::string text_of(const Values& weights) {
+  std::string text;
+  for (const double w : weights) text += nlohmann::json(w).dump() + "\n";
+  return text;
+}
+
+VertexRegions regions_of(const Fixture& fixture) {
+  VertexRegions regions{indices(fixture, "region.mouth"), indices(fixture, "region.upper")};
+  if (!fixture.has("mouth_weights")) return regions;
+  const auto mouth = fixture.doubles("mouth_weights"), forehead = fixture.doubles("forehead_weights");
+  const auto count = static_cast<std::int64_t>(mouth.size());
+  EXPECT_EQ(read_region(text_of(mouth), count, kMouthWeightAbove).value(), regions.mouth);
+  EXPECT_EQ(read_region(text_of(forehead), count, kUpperWeightAbove).value(), regions.upper);
+  return regions;
+}
+
+TEST(MetricsParity, VertexErrors) {
+  for_each_case("facediffuser", "metrics.vertex_", ".safetensors", [](const std::string& name) {
+    const Fixture fixture("facediffuser", "metrics.vertex_" + name + ".safetensors");
+    VertexErrors errors(regions_of(fixture));
+    Values per_sequence;
+    for (const auto& sequence : names_of(fixture, "gt.")) {
+      const auto neutral = fixture.tensor("template." + sequence.substr(0, sequence.rfind('_')));
+      const auto added = errors.add(sequence, vertices(fixture, "gt." + sequence),
+                                    vertices(fixture, "pred." + sequence), neutral.values());
+      ASSERT_TRUE(added) << added.error().message();
+      per_sequence.push_back(errors.sequences().back().fdd);
+    }
+    MIEN_EXPECT_CLOSE(Values{errors.mve()}, fixture.doubles("expected.MVE"), "metrics.error");
+    MIEN_EXPECT_CLOSE(Values{errors.lve()}, fixture.doubles("expected.LVE"), "metrics.error");
+    MIEN_EXPECT_CLOSE(Values{errors.fdd()}, fixture.doubles("expected.FDD"), "metrics.error");
+    MIEN_EXPECT_CLOSE(Values{errors.absolute_fdd()}, fixture.doubles("expected.ABS_FDD"), "metrics.error");
+    MIEN_EXPECT_CLOSE(per_sequence, fixture.doubles("expected.fdd_per_sequence"), "metrics.error");
+    EXPECT_EQ(static_cast<double>(errors.num_frames()), fixture.doubles("expected.frames")[0]);
+  });
+}
+
+TEST(MetricsParity, Diversity) {
+  for_each_case("facediffuser", "metrics.vertex_", ".safetensors", [](const std::string& name) {
+    const Fixture fixture("facediffuser", "metrics.vertex_" + name + ".safetensors");
+    std::map<std::string, std::vector<Motion>> takes;  // by sequence
+    for (const auto& take : names_of(fixture, "div."))
+      takes[take.substr(0, take.find("_condition_"))].push_back(vertices(fixture, "div." + take));
+    ASSERT_FALSE(takes.empty());
+    double sum = 0, count = 0;
+    for (const auto& [sequence, motions] : takes)
+      if (motions.size() > 1) sum += take_diversity(motions), ++count;
+    MIEN_EXPECT_CLOSE(Values{sum / count}, fixture.doubles("expected.Diversity"), "metrics.error");
+  });
+}
+
+TEST(MetricsParity, ControlErrors) {
+  std::size_t replayed = 0;
+  for_each_case("facediffuser", "metrics.", ".safetensors", [&](const std::string& name) {
+    if (name.starts_with("vertex_")) return;
+    const Fixture fixture("facediffuser", "metrics." + name + ".safetensors");
+    const auto sequences = names_of(fixture, "gt.");
+    ASSERT_FALSE(sequences.empty());
+    const auto regions = control_regions(controls(fixture, "gt." + sequences[0]).num_channels());
+    ASSERT_TRUE(regions) << "no regions are known for so many channels";
+    ControlErrors errors(*regions);
+    for (const auto& sequence : sequences) {
+      const auto added =
+          errors.add(sequence, controls(fixture, "gt." + sequence), controls(fixture, "pred." + sequence));
+      ASSERT_TRUE(added) << added.error().message();
+    }
+    MIEN_EXPECT_CLOSE(Values{errors.mce()}, fixture.doubles("expected.MCE"), "metrics.error");
+    MIEN_EXPECT_CLOSE(Values{errors.lce()}, fixture.doubles("expected.LCE"), "metrics.error");
+    MIEN_EXPECT_CLOSE(Values{errors.fdd()}, fixture.doubles("expected.C_FDD"), "metrics.energy");
+    MIEN_EXPECT_CLOSE(Values{errors.absolute_fdd()}, fixture.doubles("expected.ABS_C_FDD"), "metrics.energy");
+    EXPECT_EQ(static_cast<double>(errors.num_frames()), fixture.doubles("expected.frames")[0]);
+    ++replayed;
+  });
+}
+
+TEST(MetricsParity, SurfaceDistance) {
+  for_each_case("facexhubert", "metric.", ".safetensors", [](const std::string& name) {
+    const Fixture fixture("facexhubert", "metric." + name + ".safetensors");
+    const auto sequence = [&](const std::string& which) {
+      const Tensor values = fixture.tensor(which);
+      return vertex_motion({"recorded", fixture.file().find(which)->shape[1]}, 25,
+                           {values.values().begin(), values.values().end()});
+    };
+    const Motion truth = sequence("gt"), predicted = sequence("pred");
+    std::vector<TriangleTree::Triangle> triangles;
+    const auto faces = indices(fixture, "faces");
+    for (std::size_t i = 0; i + 2 < faces.size(); i += 3)
+      triangles.push_back({faces[i], faces[i + 1], faces[i + 2]});
+    const auto mean = surface_distance(truth, predicted, triangles);
+    ASSERT_TRUE(mean) << mean.error().message();
+    MIEN_EXPECT_CLOSE(Values{*mean}, fixture.doubles("expected.mean_face_vertex_error"), "metrics.error");
+
+    Values distances;
+    std::vector<Vec3> points(static_cast<std::size_t>(truth.topology.num_vertices));
+    for (std::int64_t n = 0; n < std::min(truth.num_frames(), predicted.num_frames()); ++n) {
+      copy_positions(truth, n, points);
+      const TriangleTree tree(points, triangles);
+      copy_positions(predicted, n, points);
+      for (const Vec3& point : points) distances.push_back(tree.distance(point));
+    }
+    MIEN_EXPECT_CLOSE(distances, fixture.doubles("expected.per_vertex"), "metrics.distance");
+  });
+}
+
+}  // namespace
+}  // namespace mien::parity

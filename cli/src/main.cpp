@@ -6,6 +6,7 @@
 
 #include "command.h"
 #include "companion.h"
+#include "data_command.h"
 #include "mien/console/console_exit.h"
 #include "nearest_name.h"
 
@@ -108,6 +109,7 @@ int run(const std::vector<std::string>& words) {
   add_render_command(program, chosen);
   add_inspect_command(program, chosen);
   add_evaluate_command(program, chosen);
+  add_data_command(program, chosen);
   std::string footer = "Programs of their own, when they were built:\n";
   for (const auto& companion : companions())
     footer += "  " + std::string(companion.command) + std::string(28 - companion.command.size(), ' ') +

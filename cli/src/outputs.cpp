@@ -43,6 +43,10 @@ Result<Output> plan_output(const std::string& name, std::span<const OutputKind> 
     return std::find(allowed.begin(), allowed.end(), kind) != allowed.end();
   };
   std::error_code ec;
+  if (const fs::path folder = without_slash(name);
+      name.ends_with('/') && is_allowed(OutputKind::meshes) &&
+      (lower_extension(folder) == ".obj" || lower_extension(folder) == ".vl"))
+    return Output{folder, OutputKind::meshes};
   if (name.ends_with('/') && is_allowed(OutputKind::frames))
     return Output{without_slash(name), OutputKind::frames};
   const std::string extension = lower_extension(name);
@@ -55,6 +59,7 @@ Result<Output> plan_output(const std::string& name, std::span<const OutputKind> 
     list += (list.empty() ? "" : ", ") + std::string(e.extension);
   }
   if (is_allowed(OutputKind::frames)) list += ", or a folder for numbered pictures: 'frames/'";
+  if (is_allowed(OutputKind::meshes)) list += ", or for numbered meshes: 'name.obj/' or 'name.vl/'";
   const std::string near = nearest_name(extension, known);
   return Error{Errc::usage, "output '" + name + "'",
                extension.empty() ? "has no extension to choose a format by"
@@ -65,7 +70,7 @@ Result<Output> plan_output(const std::string& name, std::span<const OutputKind> 
 Output output_of_take(const Output& output, int take, int num_takes) {
   if (num_takes == 1) return output;
   Output own = output;
-  const std::string extension = output.kind == OutputKind::frames ? "" : output.path.extension().string();
+  const std::string extension = output.is_folder() ? "" : output.path.extension().string();
   const std::string name = output.path.filename().string();
   own.path.replace_filename(name.substr(0, name.size() - extension.size()) + "-" + std::to_string(take + 1) +
                             extension);
@@ -100,13 +105,12 @@ Result<std::vector<Output>> plan_outputs(std::span<const std::string> names, std
 Status check_writable(std::span<const Output> outputs) {
   for (const auto& output : outputs) {
     std::error_code ec;
-    if (output.kind == OutputKind::frames && fs::is_directory(output.path, ec)) {
+    if (output.is_folder() && fs::is_directory(output.path, ec)) {
       MIEN_TRY([[maybe_unused]] const auto probe, AtomicFile::create(output.path / "frame.png"));
       continue;
     }
-    if (output.kind == OutputKind::frames && fs::exists(output.path, ec))
-      return Error{Errc::failed, "'" + output.path.string() + "'",
-                   "is a file, expected a folder for pictures", ""};
+    if (output.is_folder() && fs::exists(output.path, ec))
+      return Error{Errc::failed, "'" + output.path.string() + "'", "is a file, expected a folder", ""};
     MIEN_TRY([[maybe_unused]] const auto probe, AtomicFile::create(output.path));
   }
   return Done{};

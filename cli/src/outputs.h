@@ -13,13 +13,15 @@ enum class OutputKind {
   video,   ///< .mp4, .webm
   sheet,   ///< .png: a contact sheet
   frames,  ///< a folder of numbered pictures, written with a slash at the end
+  meshes,  ///< a folder/ whose name ends in .obj or .vl, of one file per frame of vertices
 };
 
 struct Output {
   std::filesystem::path path;
   OutputKind kind = OutputKind::motion;
 
-  [[nodiscard]] bool is_picture() const { return kind != OutputKind::motion; }
+  [[nodiscard]] bool is_picture() const { return kind != OutputKind::motion && kind != OutputKind::meshes; }
+  [[nodiscard]] bool is_folder() const { return kind == OutputKind::frames || kind == OutputKind::meshes; }
   [[nodiscard]] bool is_glb() const;
 };
 

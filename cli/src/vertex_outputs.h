@@ -1,0 +1,33 @@
+#pragma once
+#include <optional>
+#include <string>
+
+#include "mien/console/console_progress.h"
+#include "mien/core/audio_clip.h"
+#include "mien/core/mesh.h"
+#include "mien/core/motion.h"
+#include "mien/face/vertex_sequence.h"
+#include "outputs.h"
+#include "pictures.h"
+#include "vertex_options.h"
+
+namespace mien {
+
+/// The mesh that the options name, or Mien's head, or points (no triangles, with a warning).
+/// Errors: those of load_mesh(); Errc::incompatible for a mesh with another number of vertices.
+Result<Mesh> vertex_mesh(const VertexOptions& options, const Motion& motion);
+
+/// What else an output may need.
+struct VertexShow {
+  PictureOptions pictures;
+  const AudioClip* sound = nullptr;  ///< of a video; may be null
+  std::string audio_name;            ///< stored in a .glb
+};
+
+/// Writes a motion of vertices: a film, pictures, a .glb of blendshapes in metres (the error that they leave
+/// is stored in asset.extras and said on the terminal), numbered .obj or .vl frames, .npy or .json. Errors:
+/// Errc::usage for pictures of a mesh without triangles; those of the writers.
+Status write_vertex_output(const Output& output, const Motion& motion, const Mesh& mesh,
+                           const VertexOptions& options, const VertexShow& show, ConsoleProgress& progress);
+
+}  // namespace mien

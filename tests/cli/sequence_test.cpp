@@ -1,0 +1,156 @@
+// Motion of vertices, its measures, and data sets.
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+#include "mien/base/file.h"
+#include "mien/io/character_file.h"
+#include "mien/io/mesh_file.h"
+#include "mien/io/motion_file.h"
+#include "mien/io/npy.h"
+#include "mien/io/vl.h"
+#include "program.h"
+
+namespace mien {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr int kSide = 12;  // a square of 144 vertices
+
+// A square that waves: frame n of vertex (x, y) has z = size sin(x + 0.3 n).
+Bytes waving_square(int num_frames, double size) {
+  NpyArray array{{num_frames, 3 * kSide * kSide}, {}};
+  for (int n = 0; n < num_frames; ++n)
+    for (int y = 0; y < kSide; ++y)
+      for (int x = 0; x < kSide; ++x)
+        for (const double v : {0.1 * x, 0.1 * y, size * std::sin(x + 0.3 * n)})
+          array.values.push_back(static_cast<float>(v));
+  return write_npy(array);
+}
+
+std::string square_obj() {
+  Mesh mesh;
+  for (std::uint32_t y = 0; y < kSide; ++y)
+    for (std::uint32_t x = 0; x < kSide; ++x) {
+      mesh.positions.push_back({0.1f * static_cast<float>(x), 0.1f * static_cast<float>(y), 0});
+      if (x + 1 == kSide || y + 1 == kSide) continue;
+      const std::uint32_t v = y * kSide + x;
+      mesh.triangles.push_back({v, v + 1, v + kSide});
+      mesh.triangles.push_back({v + 1, v + kSide + 1, v + kSide});
+    }
+  return write_obj(mesh);
+}
+
+class SequenceTest : public ProgramTest {
+ protected:
+  SequenceTest() {
+    write("square.obj", square_obj());
+    write("wave.npy", as_text(waving_square(10, 0.05)));
+  }
+};
+
+TEST_F(SequenceTest, VerticesBecomeAFewShapesWithAStatedError) {
+  const auto run = mien({"render", "wave.npy", "--mesh", "square.obj", "-o", "wave.glb", "--max-error",
+                         "0.05", "--mm-per-unit", "100", "--motion-fps", "30"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.err, HasSubstr("10 frames of 144 vertices in 2 shapes; no vertex is farther than 0.0"));
+  const auto character = load_character(in_folder("wave.glb"));
+  ASSERT_TRUE(character) << character.error().message();
+  ASSERT_EQ(character->parts.size(), 1u);
+  EXPECT_EQ(character->parts[0].shapes.size(), 2u);
+  EXPECT_THAT(std::string(as_text(bytes_of("wave.glb"))), HasSubstr("\"max_error_mm\":"));
+}
+
+TEST_F(SequenceTest, VerticesWithoutTrianglesArePoints) {
+  const auto points = mien({"render", "wave.npy", "-o", "points.glb", "--motion-fps", "30"});
+  ASSERT_EQ(points.exit_code, 0) << points.err;
+  EXPECT_THAT(points.err, HasSubstr("--mesh FILE"));
+  const auto picture = mien({"render", "wave.npy", "-o", "wave.png", "--motion-fps", "30"});
+  EXPECT_EQ(picture.exit_code, 2);
+  EXPECT_THAT(picture.err, HasSubstr("a picture needs triangles"));
+  EXPECT_EQ(mien({"render", "wave.npy", "--mesh", "nothing.obj", "-o", "a.glb"}).exit_code, 3);
+  write("triangle.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  EXPECT_EQ(mien({"render", "wave.npy", "--mesh", "triangle.obj", "-o", "a.glb"}).exit_code, 4);
+}
+
+TEST_F(SequenceTest, VerticesAreDrawnAndWrittenFrameByFrame) {
+  const std::vector<std::string> common = {"render",       "wave.npy", "--mesh", "square.obj",
+                                           "--motion-fps", "30",       "-o"};
+  for (const char* output : {"wave.png", "wave.obj/", "wave.vl/", "copy.npy"}) {
+    auto words = common;
+    words.emplace_back(output);
+    const auto run = mien(words);
+    ASSERT_EQ(run.exit_code, 0) << output << run.err;
+  }
+  EXPECT_EQ(bytes_of("copy.npy"), bytes_of("wave.npy"));
+  const auto mesh = load_mesh(in_folder("wave.obj") / "frame_000009.obj");
+  ASSERT_TRUE(mesh) << mesh.error().message();
+  EXPECT_EQ(mesh->triangles.size(), 242u);
+  const auto frame = read_vl(*read_file(in_folder("wave.vl") / "frame_000009.vl"));
+  ASSERT_TRUE(frame);
+  EXPECT_EQ(*frame, mesh->positions);
+}
+
+TEST_F(SequenceTest, CurvesBecomeVerticesOfTheirCharacter) {
+  ASSERT_EQ(animate({"-o", "a.csv"}).exit_code, 0);
+  ASSERT_EQ(mien({"render", "a.csv", "-o", "a.npy"}).exit_code, 0);
+  const auto facts = nlohmann::json::parse(mien({"inspect", "a.npy", "--json"}).out);
+  EXPECT_EQ(facts["space"], "vertices");
+  EXPECT_EQ(facts["frames"], 120);
+  EXPECT_GT(facts["largest_movement"], 0);
+  // The head's own triangles are found by the number of vertices.
+  const auto run = mien({"render", "a.npy", "-o", "a.png", "--size", "64"});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+}
+
+TEST_F(SequenceTest, EvaluateComparesSequencesWithTheTruth) {
+  write("still.npy", as_text(waving_square(8, 0)));
+  write("lve.txt", "0, 1, 2");
+  const auto run = mien({"evaluate", "vertices", "wave.npy", "still.npy", "--regions", "lve.txt", "--mesh",
+                         "square.obj", "--system", "both", "--json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto table = nlohmann::json::parse(run.out);
+  const auto value = [&](const std::string& name) {
+    for (const auto& row : table["rows"])
+      if (row["name"] == name) return row["values"][0]["value"];
+    return nlohmann::json();
+  };
+  double mean = 0;
+  for (int n = 0; n < 8; ++n)
+    for (int x = 0; x < kSide; ++x) mean += std::abs(0.05 * std::sin(x + 0.3 * n)) / (8.0 * kSide);
+  EXPECT_NEAR(value("MVE").get<double>(), mean, 1e-7);
+  EXPECT_NEAR(value("surface distance").get<double>(), mean, 1e-7);  // the truth is a plane
+  EXPECT_GT(value("LVE").get<double>(), 0);
+  EXPECT_TRUE(value("FDD").is_null());
+  EXPECT_THAT(table["rows"][0]["definition"].get<std::string>(), HasSubstr("Euclidean"));
+  EXPECT_THAT(mien({"evaluate", "vertices", "wave.npy", "still.npy"}).out, HasSubstr("MVE = "));
+  EXPECT_EQ(mien({"evaluate", "vertices", "wave.npy", "nothing.npy"}).exit_code, 3);
+  EXPECT_EQ(mien({"evaluate", "vertices", "wave.npy", "still.npy", "--regions", "unknown.txt"}).exit_code, 2);
+  EXPECT_EQ(mien({"evaluate", "vertices", "wave.npy", "still.npy", "--system", "facexhubert"}).exit_code, 2);
+  EXPECT_EQ(mien({"evaluate", "controls", "wave.npy", "still.npy", "--system", "uudamm"}).exit_code, 4);
+}
+
+TEST_F(SequenceTest, DataCheckTellsProblemsByItsExitCode) {
+  std::filesystem::create_directories(in_folder("BEAT") / "wav");
+  std::filesystem::create_directories(in_folder("BEAT") / "vertices_npy");
+  const auto empty = mien({"data", "check", "BEAT"});
+  EXPECT_EQ(empty.exit_code, 3);
+  EXPECT_THAT(empty.out, HasSubstr("no sequence has both sound and motion"));
+  std::filesystem::copy(in_folder("speech.wav"), in_folder("BEAT") / "wav" / "2_8_01.wav");
+  const NpyArray motion{{60, 51}, std::vector<float>(60 * 51)};
+  ASSERT_TRUE(write_file(in_folder("BEAT") / "vertices_npy" / "2_8_01.npy",
+                         std::span<const std::byte>(write_npy(motion))));
+  const auto run = mien({"data", "check", "BEAT", "--json"});
+  ASSERT_EQ(run.exit_code, 0) << run.out << run.err;
+  const auto facts = nlohmann::json::parse(run.out);
+  EXPECT_EQ(facts["layout"], "beat");
+  EXPECT_EQ(facts["sequences"], 1);
+  EXPECT_TRUE(facts["problems"].empty());
+  EXPECT_EQ(mien({"data", "check", "nowhere"}).exit_code, 3);
+  EXPECT_EQ(mien({"data", "check", "BEAT", "--layout", "beta"}).exit_code, 2);
+  EXPECT_EQ(mien({"data", "prepare", "BEAT", "--layout", "vocaset", "-o", "out"}).exit_code, 2);
+}
+
+}  // namespace
+}  // namespace mien

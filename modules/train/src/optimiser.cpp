@@ -10,12 +10,14 @@ namespace mien::train {
 namespace {
 
 struct Moments {
-  torch::Tensor first, second, average;
+  torch::Tensor first, second, average;  // no average when none is kept
+  std::int64_t first_step = -1;          // of the first gradient; -1: there was none yet
 };
 
 double learning_rate_at(const StageOptions& o, std::int64_t step) {
   if (step < o.warm_up_steps)
     return o.learning_rate * static_cast<double>(step + 1) / static_cast<double>(o.warm_up_steps);
+  if (!o.falling_rate) return o.learning_rate;
   const double done = static_cast<double>(step - o.warm_up_steps) /
                       static_cast<double>(std::max<std::int64_t>(1, o.num_steps - o.warm_up_steps));
   return o.learning_rate * (0.01 + 0.99 * 0.5 * (1 + std::cos(std::numbers::pi * done)));
@@ -26,7 +28,7 @@ double clip_gradients(const std::vector<Collect::Entry>& entries, double limit) 
   for (const auto& e : entries)
     if (e.slot->grad().defined()) square += e.slot->grad().square().sum().item<double>();
   const double norm = std::sqrt(square);
-  if (norm > limit)
+  if (limit > 0 && norm > limit)
     for (const auto& e : entries)
       if (e.slot->grad().defined()) e.slot->mutable_grad().mul_(limit / norm);
   return norm;
@@ -35,8 +37,6 @@ double clip_gradients(const std::vector<Collect::Entry>& entries, double limit) 
 void adamw_step(const StageOptions& o, std::int64_t step, double rate,
                 const std::vector<Collect::Entry>& entries, std::vector<Moments>& moments) {
   constexpr double kEpsilon = 1e-8;
-  const double correction1 = 1 - std::pow(o.beta1, static_cast<double>(step + 1));
-  const double correction2 = 1 - std::pow(o.beta2, static_cast<double>(step + 1));
   // A short run would otherwise keep its random start in the average.
   const double decay =
       std::min(o.average_decay, (1.0 + static_cast<double>(step)) / (10.0 + static_cast<double>(step)));
@@ -44,14 +44,18 @@ void adamw_step(const StageOptions& o, std::int64_t step, double rate,
     torch::Tensor& p = *entries[i].slot;
     if (p.grad().defined()) {
       const torch::Tensor g = p.grad();
-      auto& [m, v, average] = moments[i];
+      auto& [m, v, average, first_step] = moments[i];
+      if (first_step < 0) first_step = step;
+      const auto num_updates = static_cast<double>(step - first_step + 1);
+      const double correction1 = 1 - std::pow(o.beta1, num_updates);
+      const double correction2 = 1 - std::pow(o.beta2, num_updates);
       m.mul_(o.beta1).add_(g, 1 - o.beta1);
       v.mul_(o.beta2).addcmul_(g, g, 1 - o.beta2);
-      if (p.dim() > 1) p.mul_(1 - rate * o.weight_decay);
+      if (p.dim() > 1 && o.weight_decay > 0) p.mul_(1 - rate * o.weight_decay);
       p.addcdiv_(m, (v / correction2).sqrt_().add_(kEpsilon), -rate / correction1);
       p.mutable_grad().zero_();
     }
-    moments[i].average.lerp_(p, 1 - decay);
+    if (moments[i].average.defined()) moments[i].average.lerp_(p, 1 - decay);
   }
 }
 
@@ -61,27 +65,45 @@ std::vector<Collect::Entry> state_entries(const std::vector<Collect::Entry>& ent
   for (std::size_t i = 0; i < entries.size(); ++i) {
     all.push_back({"first." + entries[i].name, &moments[i].first, false});
     all.push_back({"second." + entries[i].name, &moments[i].second, false});
-    all.push_back({"average." + entries[i].name, &moments[i].average, false});
+    if (moments[i].average.defined())
+      all.push_back({"average." + entries[i].name, &moments[i].average, false});
   }
   return all;
 }
 
+std::string first_step_key(const Collect::Entry& entry) { return "first_step." + entry.name; }
+
+// Nearly all parameters have a gradient in the first step; the others are named.
+Metadata checkpoint_metadata(std::int64_t step, const std::vector<Collect::Entry>& entries,
+                             const std::vector<Moments>& moments) {
+  Metadata metadata = {{"step", std::to_string(step)}};
+  for (std::size_t i = 0; i < entries.size(); ++i)
+    if (moments[i].first_step != 0)
+      metadata[first_step_key(entries[i])] = std::to_string(moments[i].first_step);
+  return metadata;
+}
+
 // Fills the state and returns its step.
-Result<std::int64_t> load_checkpoint(const std::vector<Collect::Entry>& state,
-                                     const std::filesystem::path& checkpoint) {
-  MIEN_TRY(const auto file, SafetensorsFile::open(checkpoint));
-  MIEN_TRY([[maybe_unused]] const auto loaded, load_parameters(state, file));
-  const auto found = file.metadata().find("step");
-  const auto step = found == file.metadata().end() ? std::nullopt : parse_int(found->second);
-  if (!step) return Error{Errc::incompatible, checkpoint.string(), "is not a checkpoint of a training stage", ""};
+Result<std::int64_t> load_checkpoint(const std::vector<Collect::Entry>& entries,
+                                     std::vector<Moments>& moments, const SafetensorsFile& file) {
+  MIEN_TRY([[maybe_unused]] const auto loaded, load_parameters(state_entries(entries, moments), file));
+  const auto number = [&](const std::string& key) -> std::optional<std::int64_t> {
+    const auto found = file.metadata().find(key);
+    return found == file.metadata().end() ? std::nullopt : parse_int(found->second);
+  };
+  const auto step = number("step");
+  if (!step) return Error{Errc::incompatible, "checkpoint", "is not one of a training stage", ""};
+  for (std::size_t i = 0; i < entries.size(); ++i)
+    moments[i].first_step = number(first_step_key(entries[i])).value_or(0);
   return *step;
 }
 
-std::vector<Moments> fresh_moments(const std::vector<Collect::Entry>& entries) {
+std::vector<Moments> fresh_moments(const std::vector<Collect::Entry>& entries, bool with_average) {
   std::vector<Moments> moments;
   for (const auto& e : entries) {
     const auto values = e.slot->detach();
-    moments.push_back({torch::zeros_like(values), torch::zeros_like(values), values.clone()});
+    moments.push_back({torch::zeros_like(values), torch::zeros_like(values),
+                       with_average ? values.clone() : torch::Tensor()});
   }
   return moments;
 }
@@ -97,7 +119,7 @@ void deliver_average(const std::vector<Collect::Entry>& entries, const std::vect
   const torch::NoGradGuard no_grad;
   for (std::size_t i = 0; i < entries.size(); ++i) {
     entries[i].slot->requires_grad_(false);
-    entries[i].slot->copy_(moments[i].average);
+    if (moments[i].average.defined()) entries[i].slot->copy_(moments[i].average);
   }
 }
 
@@ -106,32 +128,39 @@ void deliver_average(const std::vector<Collect::Entry>& entries, const std::vect
 Result<std::int64_t> load_stage_average(const std::vector<Collect::Entry>& all_entries,
                                         const std::filesystem::path& checkpoint) {
   const auto entries = trained(all_entries);
-  auto moments = fresh_moments(entries);
-  MIEN_TRY(const auto step, load_checkpoint(state_entries(entries, moments), checkpoint));
+  MIEN_TRY(const auto file, SafetensorsFile::open(checkpoint));
+  const bool has_average = !entries.empty() && file.find("average." + entries.front().name) != nullptr;
+  auto moments = fresh_moments(entries, has_average);
+  MIEN_TRY(const auto step, load_checkpoint(entries, moments, file));
   deliver_average(entries, moments);
   return step;
 }
 
 Status run_stage(const std::string& name, const std::vector<Collect::Entry>& all_entries,
                  const StageOptions& options, const std::filesystem::path& checkpoint,
-                 const std::function<torch::Tensor(std::int64_t)>& loss, Progress& progress,
+                 const std::function<Result<torch::Tensor>(std::int64_t)>& loss, Progress& progress,
                  const std::function<void(const StepReport&)>& report) {
   const auto entries = trained(all_entries);
   for (const auto& e : entries) e.slot->requires_grad_(true);
-  auto moments = fresh_moments(entries);
-  const auto state = state_entries(entries, moments);
+  auto moments = fresh_moments(entries, options.average_decay > 0);
 
   std::int64_t step = 0;
   if (std::filesystem::exists(checkpoint)) {
-    MIEN_TRY(step, load_checkpoint(state, checkpoint));
+    MIEN_TRY(const auto file, SafetensorsFile::open(checkpoint));
+    MIEN_TRY(step, load_checkpoint(entries, moments, file));
+    // As after a step: momentum goes on moving what the next loss does not depend on.
+    for (std::size_t i = 0; i < entries.size(); ++i)
+      if (moments[i].first_step >= 0)
+        entries[i].slot->mutable_grad() = torch::zeros_like(entries[i].slot->detach());
   }
   const auto save = [&] {
-    return save_parameters(state, checkpoint, false, {{"step", std::to_string(step)}});
+    return save_parameters(state_entries(entries, moments), checkpoint, false,
+                           checkpoint_metadata(step, entries, moments));
   };
 
   progress.stage(name, options.num_steps);
   while (step < options.num_steps) {
-    const torch::Tensor value = loss(step);
+    MIEN_TRY(const torch::Tensor value, loss(step));
     const double loss_value = value.item<double>();
     if (!std::isfinite(loss_value))
       return Error{Errc::failed, name, "the loss is not finite at step " + std::to_string(step),

@@ -47,7 +47,8 @@ void Initialise::buffer(std::string_view, torch::Tensor& slot, const Shape& shap
   slot = torch::zeros(shape);
 }
 
-Status load_parameters(const std::vector<Collect::Entry>& entries, const SafetensorsFile& file) {
+Status load_parameters(const std::vector<Collect::Entry>& entries, const SafetensorsFile& file,
+                       std::string_view prefix) {
   std::string problems;
   for (const auto& entry : entries) {
     const auto shape = entry.slot->sizes().vec();
@@ -55,6 +56,7 @@ Status load_parameters(const std::vector<Collect::Entry>& entries, const Safeten
     if (!found) problems += (problems.empty() ? "" : "; ") + found.error().message();
   }
   for (const auto& stored : file.tensors()) {
+    if (!stored.name.starts_with(prefix)) continue;
     const bool known =
         std::any_of(entries.begin(), entries.end(), [&](const auto& e) { return e.name == stored.name; });
     if (!known) problems += (problems.empty() ? "" : "; ") + ("unknown tensor '" + stored.name + "'");

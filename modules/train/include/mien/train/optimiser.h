@@ -16,13 +16,27 @@ namespace mien::train {
 /// How one stage of a training runs.
 struct StageOptions {
   std::int64_t num_steps = 1000;
-  double learning_rate = 1e-3;  ///< after warm-up; falls along a cosine to 1 % at the last step
+  double learning_rate = 1e-3;  ///< after warm-up
+  bool falling_rate = true;     ///< along a cosine to 1 % at the last step; else the rate stays
   std::int64_t warm_up_steps = 100;
   double beta1 = 0.9, beta2 = 0.98;
-  double weight_decay = 0.02;    ///< decoupled (AdamW, Loshchilov and Hutter 2019); matrices only
-  double clip_norm = 1.0;        ///< of the gradient of all parameters together
-  double average_decay = 0.999;  ///< exponential average of the weights, which is what a stage delivers
+  double weight_decay = 0.02;  ///< decoupled (AdamW, Loshchilov and Hutter 2019); matrices only
+  double clip_norm = 1.0;      ///< of the gradient of all parameters together; 0: not clipped
+  /// Of the exponential average of the weights, which is what a stage delivers; 0: it delivers the weights.
+  double average_decay = 0.999;
   std::int64_t checkpoint_every = 500;
+
+  /// Adam (Kingma and Ba 2015) at one rate, and nothing else: how the published systems were trained.
+  static StageOptions plain_adam(std::int64_t num_steps, double rate) {
+    return {.num_steps = num_steps,
+            .learning_rate = rate,
+            .falling_rate = false,
+            .warm_up_steps = 0,
+            .beta2 = 0.999,
+            .weight_decay = 0,
+            .clip_norm = 0,
+            .average_decay = 0};
+  }
 };
 
 /// Reported after each step.
@@ -34,18 +48,19 @@ struct StepReport {
 /// Minimises `loss(step)` over the trained parameters of `entries`, in order of steps. The state is saved to
 /// `checkpoint` every `checkpoint_every` steps and at the end; when the file exists, the stage goes on from
 /// it and gives the same losses as without the interruption, provided that loss(step) draws all its
-/// randomness from the step. On success the parameters hold their exponential average and need no gradient
-/// any more.
+/// randomness from the step. A parameter rests until a loss first depends on it. On success the parameters
+/// hold their exponential average (if there is one) and need no gradient any more.
 ///
 /// Errors: Errc::cancelled after progress.cancel() (a checkpoint is kept), Errc::failed when the loss is not
-/// finite.
+/// finite; those of loss().
 Status run_stage(const std::string& name, const std::vector<Collect::Entry>& entries,
                  const StageOptions& options, const std::filesystem::path& checkpoint,
-                 const std::function<torch::Tensor(std::int64_t)>& loss, Progress& progress,
+                 const std::function<Result<torch::Tensor>(std::int64_t)>& loss, Progress& progress,
                  const std::function<void(const StepReport&)>& report);
 
-/// Copies the averaged weights of a checkpoint of run_stage into the network: what the stage would deliver if it ended
-/// there. Returns its step. Errors: not a checkpoint of these parameters (incompatible).
+/// Copies the averaged weights of a checkpoint of run_stage (its weights, when no average is kept) into the
+/// network: what the stage would deliver if it ended there. Returns its step. Errors: not a checkpoint of
+/// these parameters (incompatible).
 Result<std::int64_t> load_stage_average(const std::vector<Collect::Entry>& entries,
                                         const std::filesystem::path& checkpoint);
 

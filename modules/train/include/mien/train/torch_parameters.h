@@ -58,9 +58,10 @@ std::vector<Collect::Entry> parameters(Network& network) {
   return std::move(collect.entries);
 }
 
-/// Copies the values of `file` into the network. Strict: missing and extra tensors and wrong shapes are all
-/// listed.
-Status load_parameters(const std::vector<Collect::Entry>& entries, const SafetensorsFile& file);
+/// Copies the values of `file` into the network. Strict: missing tensors, wrong shapes and extra tensors
+/// whose names begin with `prefix` are all listed.
+Status load_parameters(const std::vector<Collect::Entry>& entries, const SafetensorsFile& file,
+                       std::string_view prefix = "");
 
 /// Writes parameters as float32, or trained ones as float16 when `half`.
 Status save_parameters(const std::vector<Collect::Entry>& entries, const std::filesystem::path& path,

@@ -45,8 +45,12 @@ struct Network {
   /// With `past` (empty at the start) the clip may come in pieces.
   T operator()(const T& features, const T& subject_weights, const T& emotion_weights, const T& neutral,
                std::vector<T>* past = nullptr) const {
+    return decode(past != nullptr ? gru(features, *past) : gru(features), subject_weights, emotion_weights,
+                  neutral);
+  }
+  /// What follows the GRU, whose states are `h` [.., N, G]: training drops some between its layers.
+  T decode(const T& h, const T& subject_weights, const T& emotion_weights, const T& neutral) const {
     using B = Operations<T>;
-    const T h = past != nullptr ? gru(features, *past) : gru(features);
     return B::add(out(B::mul(B::mul(h, subject(subject_weights)), emotion(emotion_weights))), neutral);
   }
 };

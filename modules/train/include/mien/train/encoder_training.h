@@ -1,0 +1,39 @@
+#pragma once
+#include <torch/torch.h>
+
+#include "mien/models/speech_encoder/network.h"
+#include "mien/train/torch_operations.h"
+
+namespace mien::train {
+
+/// What a training pass does inside the encoder: dropout where the configuration has it. Draws from
+/// LibTorch's generator, which the caller seeds for every step.
+struct DropoutHooks {
+  const EncoderConfig& config;
+
+  [[nodiscard]] torch::Tensor dropout(DropoutSite site, const torch::Tensor& x) const {
+    return torch::dropout(x, probability(site), /*train=*/true);
+  }
+  [[nodiscard]] torch::Tensor attention(const torch::Tensor& q, const torch::Tensor& k,
+                                        const torch::Tensor& v, std::int64_t heads,
+                                        std::span<const std::int64_t> valid) const {
+    using B = Operations<torch::Tensor>;
+    const torch::Tensor weights = B::attention_weights(q, k, heads, valid);
+    return B::attend(torch::dropout(weights, config.attention_dropout, /*train=*/true), v);
+  }
+  void stage(const char* /*name*/, std::int64_t /*index*/, const torch::Tensor& /*x*/) const {}
+
+  [[nodiscard]] double probability(DropoutSite site) const {
+    switch (site) {
+      case DropoutSite::projection:
+        return config.feat_proj_dropout;
+      case DropoutSite::hidden:
+        return config.hidden_dropout;
+      case DropoutSite::activation:
+        break;
+    }
+    return config.activation_dropout;
+  }
+};
+
+}  // namespace mien::train

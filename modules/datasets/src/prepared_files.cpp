@@ -1,10 +1,32 @@
 #include "prepared_files.h"
 
+#include <array>
+#include <cstdint>
+#include <span>
+
 #include "mien/base/file.h"
 
 namespace mien::datasets {
 
 namespace fs = std::filesystem;
+
+namespace {
+
+// Mono, 32-bit float; little-endian as the machine (mien/base/bytes.h).
+struct WavHeader {
+  std::array<char, 4> riff{'R', 'I', 'F', 'F'};
+  std::uint32_t riff_size = 0;
+  std::array<char, 8> wave{'W', 'A', 'V', 'E', 'f', 'm', 't', ' '};
+  std::uint32_t format_size = 16;
+  std::uint16_t format = 3, num_channels = 1;  // IEEE float
+  std::uint32_t sample_rate = 0, byte_rate = 0;
+  std::uint16_t frame_bytes = sizeof(float), bits = 32;
+  std::array<char, 4> data{'d', 'a', 't', 'a'};
+  std::uint32_t data_size = 0;
+};
+static_assert(sizeof(WavHeader) == 44);
+
+}  // namespace
 
 Status make_folders(const fs::path& out) {
   for (const char* name : {"wav", "vertices_npy"}) {
@@ -21,29 +43,16 @@ Status write_motion_array(const fs::path& out, const std::string& name, const Np
 }
 
 Status write_sound(const fs::path& out, const std::string& name, const AudioClip& clip) {
-  constexpr std::uint16_t kFloatFormat = 3, kMono = 1, kBits = 32;
   const auto rate = static_cast<std::uint32_t>(clip.sample_rate_hz);
-  const auto size = static_cast<std::uint32_t>(clip.samples.size() * sizeof(float));
-  Bytes bytes;
-  const auto text = [&](std::string_view word) {
-    const auto part = as_bytes(word);
-    bytes.insert(bytes.end(), part.begin(), part.end());
-  };
-  text("RIFF");
-  append_le(bytes, std::uint32_t{36} + size);
-  text("WAVEfmt ");
-  append_le(bytes, std::uint32_t{16});
-  append_le(bytes, kFloatFormat);
-  append_le(bytes, kMono);
-  append_le(bytes, rate);
-  append_le(bytes, static_cast<std::uint32_t>(rate * sizeof(float)));
-  append_le(bytes, static_cast<std::uint16_t>(sizeof(float)));
-  append_le(bytes, kBits);
-  text("data");
-  append_le(bytes, size);
-  const auto data = std::as_bytes(std::span(clip.samples));
-  bytes.insert(bytes.end(), data.begin(), data.end());
-  return write_file(out / "wav" / (name + ".wav"), std::span<const std::byte>(bytes));
+  WavHeader header;
+  header.data_size = static_cast<std::uint32_t>(clip.samples.size() * sizeof(float));
+  header.riff_size = static_cast<std::uint32_t>(sizeof(WavHeader) - 8) + header.data_size;
+  header.sample_rate = rate;
+  header.byte_rate = static_cast<std::uint32_t>(rate * sizeof(float));
+  MIEN_TRY(auto file, AtomicFile::create(out / "wav" / (name + ".wav")));
+  MIEN_TRY([[maybe_unused]] const auto head, file.write(std::as_bytes(std::span(&header, 1))));
+  MIEN_TRY([[maybe_unused]] const auto data, file.write(std::as_bytes(std::span(clip.samples))));
+  return file.commit();
 }
 
 Status copy_sound(const fs::path& out, const std::string& name, const fs::path& sound) {

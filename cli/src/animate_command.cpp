@@ -3,12 +3,14 @@
 
 #include "character_source.h"
 #include "director.h"
+#include "face_director.h"
 #include "mien/base/number_text.h"
 #include "mien/base/parallel.h"
 #include "mien/console/console_exit.h"
 #include "mien/io/character_file.h"
 #include "mien/io/motion_file.h"
 #include "mien/models/animate.h"
+#include "mien/models/face_model.h"
 #include "options.h"
 #include "outputs.h"
 #include "pictures.h"
@@ -24,6 +26,7 @@ struct AnimateArguments {
   std::string speech, model, character;
   std::vector<std::string> outputs;
   DirectionWords words;
+  FaceWords face;
   int takes = 1;
   double fps = 0;  // 0: 60 for motion, 30 for pictures
   std::string size = "512", view = "portrait";
@@ -34,16 +37,55 @@ struct AnimateArguments {
 // Everything that can be wrong is found out before the work begins.
 struct Prepared {
   std::vector<Output> outputs;  // of all takes, take by take
+  bool is_published = false;    // FaceXHuBERT or FaceDiffuser, not the default model
   PerformOptions options;
+  FaceOptions face;
   fs::path model_path, character_path;
   Bytes character_glb;                 // when a .glb is written
   std::optional<Character> character;  // when pictures are drawn
   PictureOptions pictures;
 };
 
+// The architecture decides what the words mean and what is written.
+Result<ModelFile> describe(const fs::path& path) {
+  const auto file = SafetensorsFile::open(path);
+  if (!file) return file.error();
+  auto model = read_model_file(file->metadata());
+  if (!model) return within(model.error(), "loading model '" + path.string() + "'");
+  return model;
+}
+
+Status direct(const AnimateArguments& a, Prepared& p) {
+  if (p.is_published) {
+    MIEN_TRY(p.face, face_options(a.words, a.face));
+    return Done{};
+  }
+  if (const std::string word = a.face.used(); !word.empty())
+    return Error{Errc::usage, word, "does not apply to this model: it is for FaceXHuBERT and FaceDiffuser",
+                 "Leave it out, or name such a model with --model"};
+  MIEN_TRY(p.options, perform_options(a.words));
+  return Done{};
+}
+
+// Positions of vertices go into .npy: they need no face rig. `mien render` makes the rest of it.
+Status check_vertex_outputs(const std::vector<Output>& outputs) {
+  for (const auto& output : outputs)
+    if (output.kind != OutputKind::motion || output.path.extension() != ".npy")
+      return Error{Errc::usage, "output '" + output.path.string() + "'",
+                   "cannot hold the vertices that this model moves",
+                   "Write .npy, and turn it into films, .glb or meshes with mien render"};
+  return Done{};
+}
+
 Result<Prepared> prepare(const AnimateArguments& a) {
   Prepared p;
-  MIEN_TRY(p.options, perform_options(a.words));
+  bool moves_vertices = false;
+  if (!a.model.empty()) {
+    MIEN_TRY(const ModelFile model, describe(a.model));
+    p.is_published = FaceModel::runs(model.architecture);
+    moves_vertices = p.is_published && model.output.space == "vertices";
+  }
+  MIEN_TRY([[maybe_unused]] const auto directed, direct(a, p));
   const auto size = parse_size(a.size);
   if (!size) return size.error();
   p.pictures = {.width = size->first, .height = size->second, .threads = a.threads};
@@ -51,7 +93,7 @@ Result<Prepared> prepare(const AnimateArguments& a) {
   MIEN_TRY([[maybe_unused]] const auto view, check_view(a.view));
   p.pictures.view = a.view;
   std::vector<std::string> names = a.outputs;
-  if (names.empty()) names.push_back(fs::path(a.speech).stem().string() + ".glb");
+  if (names.empty()) names.push_back(fs::path(a.speech).stem().string() + (moves_vertices ? ".npy" : ".glb"));
   if (a.model.empty()) {
     MIEN_TRY(p.model_path, shared_file("default.safetensors", "--model FILE"));
   } else {
@@ -62,6 +104,9 @@ Result<Prepared> prepare(const AnimateArguments& a) {
                                  OutputKind::frames};
   const std::array<fs::path, 3> inputs = {a.speech, p.model_path, p.character_path};
   MIEN_TRY(p.outputs, plan_outputs(names, inputs, kAll, a.takes));
+  if (moves_vertices) {
+    MIEN_TRY([[maybe_unused]] const auto fit, check_vertex_outputs(p.outputs));
+  }
   return p;
 }
 
@@ -117,18 +162,31 @@ Status write_outputs(const AnimateArguments& a, const Prepared& p, const std::ve
   return Done{};
 }
 
+Result<std::vector<Motion>> perform(const AnimateArguments& a, const Prepared& p, ConsoleProgress& progress) {
+  if (!p.is_published) {
+    MIEN_TRY(AudioReader speech, AudioReader::open(a.speech));
+    MIEN_TRY(const DefaultModel model, DefaultModel::load(p.model_path));
+    return animate(model, speech, p.options, a.takes, a.threads, progress);
+  }
+  auto clip = load_audio(a.speech);
+  if (!clip) return clip.error();
+  MIEN_TRY(const FaceModel model, FaceModel::load(p.model_path, a.threads));
+  auto takes = animate(model, *clip, p.face, a.takes, a.threads, progress);
+  if (takes) takes.warnings = clip.warnings;
+  return takes;
+}
+
 Status run_animate(const AnimateArguments& a, ConsoleProgress& progress) {
   const auto start = std::chrono::steady_clock::now();
   MIEN_TRY(Prepared p, prepare(a));
-  MIEN_TRY(AudioReader speech, AudioReader::open(a.speech));
+  MIEN_TRY([[maybe_unused]] const AudioReader readable, AudioReader::open(a.speech));
   progress.event("start", "\"command\":\"animate\",\"input\":" + json_string(a.speech) + ",\"model\":" +
                               json_string(p.model_path.string()) + ",\"outputs\":" + json_list(p.outputs) +
                               ",\"seed\":" + std::to_string(a.words.seed));
   MIEN_TRY([[maybe_unused]] const auto writable, check_writable(p.outputs));
-  MIEN_TRY(const DefaultModel model, DefaultModel::load(p.model_path));
   MIEN_TRY([[maybe_unused]] const auto character, load_character_for(p.outputs, p, progress));
 
-  auto takes = animate(model, speech, p.options, a.takes, a.threads, progress);
+  auto takes = perform(a, p, progress);
   if (!takes) return within(takes.error(), "animating '" + a.speech + "'");
   for (const auto& warning : takes.warnings) {
     if (warning == kSilent && !a.allow_silence)
@@ -136,7 +194,7 @@ Status run_animate(const AnimateArguments& a, ConsoleProgress& progress) {
     progress.warn(warning);
   }
   const double seconds = takes->front().seconds();
-  if (a.fps > 0 && a.fps != DefaultStream::kFps)
+  if (a.fps > 0 && a.fps != takes->front().fps)
     for (auto& motion : *takes) motion = resample(motion, a.fps);
 
   std::optional<AudioClip> sound;
@@ -183,18 +241,40 @@ void add_animate_command(CLI::App& program, Chosen& chosen) {
   command->add_option(
       "--emotion", a->words.emotion,
       "neutral, happy, sad, surprised, fear, disgusted, angry or contempt, with a level :1 :2 :3 or an "
-      "intensity :0.0 to :1.0; or a .csv or .json file: time,emotion,intensity[,style]. Default: neutral");
-  command->add_option("--style", a->words.style,
-                      "Manner of a speaker, S00 to S11. Default: none in particular");
+      "intensity :0.0 to :1.0; or a .csv or .json file: time,emotion,intensity[,style]. Default: neutral. "
+      "FaceXHuBERT: neutral or expressive, which is its default");
+  command->add_option(
+      "--style", a->words.style,
+      "Manner of a speaker, S00 to S11. Default: none in particular. Published models: one of their "
+      "subjects; default: the first");
   command->add_option("--seed", a->words.seed, "Chooses the take: the same seed gives the same bytes")
       ->capture_default_str();
   command->add_option("--takes", a->takes, "Number of different takes, 1 to 100")
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
-  command->add_option("--steps", a->words.steps, "Diffusion steps, 1 to 1000")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  command->add_option("--sampler", a->words.sampler, "dpm++, ddim or ddpm")->capture_default_str();
+  auto* steps = command
+                    ->add_option("--steps", a->words.steps,
+                                 "Diffusion steps, 1 to 1000. Default: 8; published models: all of theirs")
+                    ->check(CLI::Range(1, 1000));
+  auto* sampler = command->add_option("--sampler", a->words.sampler,
+                                      "dpm++, ddim or ddpm. Default: dpm++; published models: ddpm");
+  command->add_option("--subject", a->face.subject,
+                      "Published models: whose manner and neutral face, one of the model's subjects");
+  command->add_option("--template", a->face.neutral,
+                      "Published models: whose neutral face. Default: that of --style");
+  command
+      ->add_option("--skip", a->face.skip,
+                   "Published models: noisiest diffusion steps to leave out. Default: 0")
+      ->check(CLI::Range(0, 100000));
+  command->add_option(
+      "--respacing", a->face.respacing,
+      "Published models: which steps to keep: ddim50, or counts for equal sections: 10,15,20");
+  command
+      ->add_option("--eta", a->face.eta,
+                   "Published models: share of fresh noise with ddim, 0 to 1. Default: 0")
+      ->check(CLI::Range(0.0, 1.0));
+  command->add_flag("--const-noise", a->face.same_noise,
+                    "Published models: fresh noise of a step is the same in all frames");
   command->add_option("--fps", a->fps, "Frames a second, 1 to 240. Default: 60, pictures 30")
       ->check(CLI::Range(1.0, 240.0));
   command->add_option("--size", a->size, "Pixels of pictures: 512 or 640x480")->capture_default_str();
@@ -205,9 +285,13 @@ void add_animate_command(CLI::App& program, Chosen& chosen) {
   add_console_options(*command, chosen);
   add_footer(*command,
              "  mien animate hello.wav\n"
-             "  mien animate hello.wav -o hello.glb -o hello.csv -o hello.mp4 --emotion happy:2 --seed 7\n");
-  command->callback(
-      [a, &chosen] { chosen.work = [a](ConsoleProgress& progress) { return run_animate(*a, progress); }; });
+             "  mien animate hello.wav -o hello.glb -o hello.csv -o hello.mp4 --emotion happy:2 --seed 7\n"
+             "  mien animate hello.wav --model biwi.safetensors --subject M3 --skip 450 -o hello.npy\n");
+  command->callback([a, steps, sampler, &chosen] {
+    a->face.has_steps = steps->count() > 0;
+    a->face.has_sampler = sampler->count() > 0;
+    chosen.work = [a](ConsoleProgress& progress) { return run_animate(*a, progress); };
+  });
 }
 
 }  // namespace mien

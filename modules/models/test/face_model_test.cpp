@@ -5,87 +5,28 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "import/parameter_list.h"
 #include "mien/models/alignment.h"
 #include "mien/models/facediffuser/plain_sampler.h"
 #include "mien/models/facexhubert/network.h"
-#include "mien/models/speech_encoder/network.h"
-#include "random_network.h"
+#include "small_face_model.h"
 
 namespace mien {
 namespace {
 
 using testing::HasSubstr;
 
-EncoderConfig small_encoder() {
-  EncoderConfig c;
-  c.hidden_size = 16;
-  c.num_hidden_layers = 1;
-  c.num_attention_heads = 2;
-  c.intermediate_size = 24;
-  c.conv_dim = std::vector<std::int64_t>(7, 8);
-  c.num_conv_pos_embeddings = 8;
-  c.num_conv_pos_embedding_groups = 2;
-  return c;
-}
-
-ModelFile description(Architecture architecture) {
-  ModelFile m;
-  m.architecture = architecture;
-  m.name = "small";
-  m.encoder = small_encoder();
-  const bool is_mesh =
-      architecture == Architecture::facediffuser_v || architecture == Architecture::facexhubert;
-  m.output = {.space = is_mesh ? "vertices" : "rig",
-              .channels = is_mesh ? 60 : 7,
-              .fps = is_mesh ? 25.0 : 30.0,
-              .topology = ""};
-  if (is_mesh) m.subjects = {"F1", "M2"};
-  if (architecture == Architecture::facexhubert)
-    m.emotions = {"neutral", "expressive"};
-  else
-    m.diffusion = ModelDiffusion{"cosine", 12};
-  return m;
-}
-
-facediffuser::Sizes mesh_sizes() {
-  return {.variant = facediffuser::Variant::vertices,
-          .num_channels = 60,
-          .latent = 6,
-          .hidden = 6,
-          .num_steps = 12,
-          .condition = 32,
-          .num_subjects = 2};
-}
-
-// Random weights for every parameter that the networks name, and a neutral face for M2.
+// In a file of this process; each call replaces it.
 template <class Network>
 std::filesystem::path write_model(const ModelFile& m, Network network) {
-  SpeechEncoder<Tensor> encoder(*m.encoder);
-  ListParameters list;
-  list.scope("audio_encoder", encoder);
-  network.visit(list);
-  if (m.output.space == "vertices") list.entries.push_back({"template.M2", {m.output.channels}});
-  std::vector<StoredTensor> tensors;
-  for (const auto& e : list.entries) tensors.push_back({e.name, Dtype::f32, e.shape});
   const auto path = std::filesystem::path(testing::TempDir()) /
                     ("mien_face_model_" + std::to_string(getpid()) + ".safetensors");
-  auto writer = SafetensorsWriter::create(path, tensors, to_metadata(m));
-  EXPECT_TRUE(writer) << writer.error().message();
-  for (const auto& t : tensors) {
-    std::vector<float> values(static_cast<std::size_t>(t.count()));
-    NoiseField(hash64(t.name), 0).normal(0, 0, values);
-    const bool is_scale = t.name.find("norm") != std::string::npos && t.name.ends_with("weight");
-    for (float& v : values) v = (is_scale ? 1.0f : 0.0f) + 0.3f * v;
-    EXPECT_TRUE(writer->write_float(t.name, values));
-  }
-  EXPECT_TRUE(writer->finish());
+  write_face_model(path, m, std::move(network));
   return path;
 }
 
 std::filesystem::path write_mesh_model() {
-  return write_model(description(Architecture::facediffuser_v),
-                     facediffuser::VertexDenoiser<Tensor>(mesh_sizes()));
+  return write_model(face_description(Architecture::facediffuser_v),
+                     facediffuser::VertexDenoiser<Tensor>(small_mesh_sizes()));
 }
 
 AudioClip clip(double seconds) {
@@ -129,8 +70,8 @@ TEST(FaceModel, AnimatesRigsAndPredictsExpressions) {
                            .hidden = 5,
                            .num_steps = 12,
                            .condition = 32};
-  const auto rig = FaceModel::load(
-      write_model(description(Architecture::facediffuser_beat), facediffuser::BeatDenoiser<Tensor>(beat)));
+  const auto rig = FaceModel::load(write_model(face_description(Architecture::facediffuser_beat),
+                                               facediffuser::BeatDenoiser<Tensor>(beat)));
   ASSERT_TRUE(rig) << rig.error().message();
   const auto curves = animate(*rig, clip(0.9), {}, 1, 1, progress);
   ASSERT_TRUE(curves) << curves.error().message();
@@ -139,12 +80,12 @@ TEST(FaceModel, AnimatesRigsAndPredictsExpressions) {
   const facexhubert::Sizes sizes{
       .input = 32, .hidden = 5, .num_layers = 2, .num_subjects = 2, .num_emotions = 2, .num_channels = 60};
   const auto mesh = FaceModel::load(
-      write_model(description(Architecture::facexhubert), facexhubert::Network<Tensor>(sizes)));
+      write_model(face_description(Architecture::facexhubert), facexhubert::Network<Tensor>(sizes)));
   ASSERT_TRUE(mesh) << mesh.error().message();
   FaceOptions options;
   const auto expressive = animate(*mesh, clip(0.9), options, 1, 1, progress);
   ASSERT_TRUE(expressive) << expressive.error().message();
-  EXPECT_EQ(expressive->front().num_frames(), small_encoder().num_frames(14400) / 2);
+  EXPECT_EQ(expressive->front().num_frames(), small_face_encoder().num_frames(14400) / 2);
   options.emotion = "neutral";
   EXPECT_NE(animate(*mesh, clip(0.9), options, 1, 1, progress)->front().values, expressive->front().values);
 }
@@ -177,8 +118,8 @@ TEST(FaceModel, RefusesWhatItDoesNotKnow) {
 }
 
 TEST(FaceModel, RefusesADescriptionThatDoesNotFitTheWeights) {
-  const facediffuser::VertexDenoiser<Tensor> network(mesh_sizes());
-  ModelFile channels = description(Architecture::facediffuser_v), steps = channels, subjects = channels,
+  const facediffuser::VertexDenoiser<Tensor> network(small_mesh_sizes());
+  ModelFile channels = face_description(Architecture::facediffuser_v), steps = channels, subjects = channels,
             encoder = channels, other = channels;
   channels.output.channels = 63;
   steps.diffusion->steps = 13;

@@ -1,0 +1,26 @@
+#pragma once
+#include <string>
+
+#include "director.h"
+#include "mien/models/face_model.h"
+
+namespace mien {
+
+/// The words of the command line that direct FaceXHuBERT and FaceDiffuser beside DirectionWords.
+struct FaceWords {
+  std::string subject, neutral, respacing;
+  int skip = 0;
+  double eta = 0;
+  bool same_noise = false;
+  /// Whether --steps and --sampler were given: their defaults are those of the default model.
+  bool has_steps = false, has_sampler = false;
+
+  /// The first of them that was used, to tell that it does not apply to another model; empty: none.
+  [[nodiscard]] std::string used() const;
+};
+
+/// --subject stands for both --style and --template. --steps M is a process of M steps spread evenly; without
+/// it all steps are walked. Errors (Errc::usage): an unknown sampler, words that exclude each other.
+Result<FaceOptions> face_options(const DirectionWords& words, const FaceWords& face);
+
+}  // namespace mien

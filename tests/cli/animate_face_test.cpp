@@ -1,0 +1,78 @@
+// mien animate with an imported model: FaceDiffuser on a small mesh.
+#include <gmock/gmock.h>
+
+#include "mien/io/motion_file.h"
+#include "mien/io/npy.h"
+#include "program.h"
+#include "small_face_model.h"
+
+namespace mien {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+class AnimateFaceTest : public ProgramTest {
+ protected:
+  AnimateFaceTest() {
+    write_face_model(in_folder("mesh.safetensors"), face_description(Architecture::facediffuser_v),
+                     facediffuser::VertexDenoiser<Tensor>(small_mesh_sizes()));
+  }
+  [[nodiscard]] Outcome face(std::vector<std::string> more) const {
+    more.insert(more.begin(), {"animate", "speech.wav", "--model", "mesh.safetensors"});
+    return mien(more);
+  }
+};
+
+TEST_F(AnimateFaceTest, WritesVerticesByDefault) {
+  const auto run = face({"--seed", "3"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.err, HasSubstr("wrote speech.npy"));
+  EXPECT_THAT(files(), ElementsAre("mesh.safetensors", "small.safetensors", "speech.npy", "speech.wav"));
+  const auto array = read_npy(bytes_of("speech.npy"));
+  ASSERT_TRUE(array) << array.error().message();
+  EXPECT_THAT(array->shape, ElementsAre(49, 60)) << "2 s at 25 fps, less one";
+}
+
+TEST_F(AnimateFaceTest, TheSeedDecidesAndThreadsDoNot) {
+  ASSERT_EQ(face({"--seed", "3", "--threads", "1", "-o", "a.npy"}).exit_code, 0);
+  ASSERT_EQ(face({"--seed", "3", "--threads", "3", "-o", "b.npy"}).exit_code, 0);
+  ASSERT_EQ(face({"--seed", "4", "-o", "c.npy"}).exit_code, 0);
+  EXPECT_EQ(bytes_of("a.npy"), bytes_of("b.npy"));
+  EXPECT_NE(bytes_of("a.npy"), bytes_of("c.npy"));
+}
+
+TEST_F(AnimateFaceTest, KnowsItsOptions) {
+  for (const std::vector<std::string>& more :
+       std::vector<std::vector<std::string>>{{"--style", "F1", "--template", "M2"},
+                                             {"--subject", "M2", "--skip", "3"},
+                                             {"--sampler", "ddim", "--respacing", "ddim4", "--eta", "0.5"},
+                                             {"--sampler", "dpm++", "--steps", "4", "--takes", "2"},
+                                             {"--const-noise"}}) {
+    auto words = more;
+    words.insert(words.end(), {"-o", "out.npy"});
+    const auto run = face(words);
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+  }
+}
+
+TEST_F(AnimateFaceTest, RefusesWhatDoesNotFit) {
+  const auto refusal = [&](const std::vector<std::string>& more) {
+    const auto run = face(more);
+    EXPECT_EQ(run.exit_code, 2) << run.err;
+    return run.err;
+  };
+  EXPECT_THAT(refusal({"-o", "a.glb"}), HasSubstr("mien render"));
+  EXPECT_THAT(refusal({"--style", "M9"}), HasSubstr("It knows: F1, M2"));
+  EXPECT_THAT(refusal({"--eta", "0.5"}), HasSubstr("ddim"));
+  EXPECT_THAT(refusal({"--steps", "4", "--respacing", "4"}), HasSubstr("--respacing"));
+  EXPECT_THAT(refusal({"--respacing", "ddim13"}), HasSubstr("ddim13"));
+  EXPECT_THAT(refusal({"--skip", "12"}), HasSubstr("--skip"));
+  EXPECT_THAT(refusal({"--emotion", "happy"}), HasSubstr("--emotion"));
+  const auto other = animate({"--template", "M2"});
+  EXPECT_EQ(other.exit_code, 2);
+  EXPECT_THAT(other.err, HasSubstr("does not apply"));
+}
+
+}  // namespace
+}  // namespace mien

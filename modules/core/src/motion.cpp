@@ -49,10 +49,11 @@ Motion resample(const Motion& motion, double fps) {
         std::min(static_cast<double>(n) * motion.fps / fps, static_cast<double>(num_in - 1));
     const auto left = static_cast<std::int64_t>(position);
     const auto right = std::min(left + 1, num_in - 1);
-    const auto w = static_cast<float>(position - static_cast<double>(left));
+    const double w = position - static_cast<double>(left);
     const auto a = motion.frame(left), b = motion.frame(right);
     const auto y = out.frame(n);
-    for (std::size_t c = 0; c < y.size(); ++c) y[c] = a[c] + w * (b[c] - a[c]);
+    for (std::size_t c = 0; c < y.size(); ++c)
+      y[c] = static_cast<float>(a[c] + w * (static_cast<double>(b[c]) - a[c]));  // no overflow
   }
   return out;
 }

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <set>
 #include <stdexcept>
 
@@ -51,6 +52,8 @@ TEST(Motion, CountsFramesAndResamples) {
   EXPECT_FLOAT_EQ(up.frame(5)[1], 1.0f);
   EXPECT_EQ(resample(Motion{MotionSpace::arkit, {"jawOpen"}, 30, {}}, 60).num_frames(), 0);
   EXPECT_EQ(resample(Motion{MotionSpace::arkit, {"jawOpen"}, 60, {0.5f}}, 24).num_frames(), 1);
+  for (const float v : resample(Motion{MotionSpace::arkit, {"jawOpen"}, 30, {3e38f, -3e38f}}, 90).values)
+    EXPECT_TRUE(std::isfinite(v));
   EXPECT_EQ(ramp.find("mouthClose"), 1);
   EXPECT_FALSE(ramp.find("tongueOut"));
 }

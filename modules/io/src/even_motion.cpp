@@ -10,6 +10,11 @@ namespace {
 
 constexpr std::int64_t kFramesPerHour = 60 * 3600;
 
+// In double, since the difference of two large floats may not be one.
+float between(float a, float b, double weight) {
+  return static_cast<float>(a + weight * (static_cast<double>(b) - a));
+}
+
 }  // namespace
 
 Status check_motion(const Motion& motion, std::string_view writer) {
@@ -60,9 +65,8 @@ Result<Motion> even_motion(const std::vector<double>& times, const std::vector<f
     const KeyPosition at = find_key(times, static_cast<double>(n) / fps, kSnapFrames / fps);
     const float* a = &rows[at.key * width];
     const float* b = at.weight > 0 ? a + width : a;
-    const auto w = static_cast<float>(at.weight);
     const auto out = motion.frame(n);
-    for (std::size_t c = 0; c < width; ++c) out[c] = a[c] + w * (b[c] - a[c]);
+    for (std::size_t c = 0; c < width; ++c) out[c] = between(a[c], b[c], at.weight);
   }
   return motion;
 }

@@ -11,6 +11,10 @@ namespace mien::io {
 /// Errors (Errc::failed), naming the frame and the channel. @pre whole frames
 Status check_motion(const Motion& motion, std::string_view writer);
 
+/// What a file may state as the rate of its motion, frames a second: seconds between frames, or a slip of the
+/// writer, would make hours of a few rows.
+constexpr bool is_frame_rate(double fps) { return fps >= 0.1 && fps <= 10000; }
+
 /// Keys closer than this to the instant of a frame are taken as they are.
 inline constexpr double kSnapFrames = 0.05;
 

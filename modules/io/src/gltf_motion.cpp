@@ -138,13 +138,13 @@ Result<Curves> read_curves(const GltfDocument& document, const Json& animation) 
 
 double rate_of(const Json& animation, const std::vector<double>& times) {
   const auto stated = number_member(member(animation, "extras"), "fps");
-  if (stated && *stated > 0 && *stated <= 10000) return *stated;
+  if (stated && is_frame_rate(*stated)) return *stated;
   if (times.size() < 2) return 60;
   const double step = (times.back() - times.front()) / static_cast<double>(times.size() - 1);
   for (std::size_t k = 0; k < times.size(); ++k)
     if (std::abs(times.front() + step * static_cast<double>(k) - times[k]) > 0.05 * step) return 60;
   const double rate = 1.0 / step;
-  if (!(rate <= 10000)) return 60;
+  if (!is_frame_rate(rate)) return 60;
   return std::abs(rate - std::round(rate)) < 1e-3 * rate ? std::max(1.0, std::round(rate)) : rate;
 }
 
@@ -192,6 +192,9 @@ Result<Motion> read_document(const GltfDocument& document) {
         head_angles(multiply(curves.head_parent, multiply(turn, conjugate(curves.head_parent))));
     for (std::size_t k = 0; k < 3; ++k) out[sources.size() + k] = static_cast<float>(angles[k]);
   }
+  // The keys are finite; cubic curves between them need not be.
+  if (!std::all_of(motion.values.begin(), motion.values.end(), [](float v) { return std::isfinite(v); }))
+    return Error{Errc::input, "glTF animation", "its curves leave the range of numbers", ""};
   return motion;
 }
 

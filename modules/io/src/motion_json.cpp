@@ -15,7 +15,6 @@ namespace {
 using namespace io;
 
 constexpr int kVersion = 1;
-constexpr double kMaxFps = 10000;
 constexpr std::uint64_t kMaxVertices = 1'000'000;
 constexpr std::pair<MotionSpace, std::string_view> kSpaces[] = {{MotionSpace::arkit, "arkit"},
                                                                 {MotionSpace::flame, "flame"},
@@ -26,8 +25,8 @@ Error bad(std::string why) { return {Errc::input, "motion JSON", std::move(why),
 
 Result<double> read_rate(const Json& json, const char* key) {
   const auto fps = number_member(json, key);
-  if (!fps || !(*fps > 0) || *fps > kMaxFps)
-    return bad(std::string("'") + key + "' is no frame rate between 0 and 10000");
+  if (!fps || !is_frame_rate(*fps))
+    return bad(std::string("'") + key + "' is no frame rate between 0.1 and 10000");
   return *fps;
 }
 

@@ -309,6 +309,8 @@ TEST(GltfAnimation, ReadsOtherProgramsCurves) {
   ASSERT_TRUE(cubic);
   EXPECT_FLOAT_EQ(cubic->values[2], 0.5f + 0.125f - 0.25f);
   EXPECT_FLOAT_EQ(cubic->values[6], 1.0f);
+  set_output({0, 3.3e38f, 3e38f, -3e38f, 3.3e38f, 0, 0, 1, 0});
+  EXPECT_EQ(read_glb_motion(make_glb(user.json, user.bin)).error().code, Errc::input);  // infinite in between
   // One value too few.
   set_output({0, 0, 2, 0, 1, 0, 0, 1});
   EXPECT_FALSE(read_glb_motion(make_glb(user.json, user.bin)));

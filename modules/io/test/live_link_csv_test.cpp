@@ -192,6 +192,12 @@ TEST(LiveLinkCsv, InterpolatesBetweenUnevenRows) {
   EXPECT_FLOAT_EQ(read->values[2], 2.0f);  // the last value holds
 }
 
+TEST(LiveLinkCsv, NumbersBetweenLargeOnesStayFinite) {
+  const auto read = read_live_link_csv("timecode,jawOpen\n0,3e38\n0.5,-3e38\n0.6,0\n1,1\n");
+  ASSERT_TRUE(read);
+  for (const float v : read->values) EXPECT_TRUE(std::isfinite(v));
+}
+
 TEST(LiveLinkCsv, LeavesOutRowsThatGoBackAndRowsWithoutAFace) {
   const auto read = read_live_link_csv(
       "Timecode,BlendShapeCount,JawOpen\n00:00:00:00.000,61,1\n00:00:00:01.000,0,\n00:00:00:02.000,61,3\n"

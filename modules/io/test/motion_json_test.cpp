@@ -89,7 +89,7 @@ TEST(MotionJson, RefusesWrongContent) {
   EXPECT_EQ(with("mien_motion", 2).error().code, Errc::incompatible);
   EXPECT_EQ(with("mien_motion", "1").error().code, Errc::incompatible);
   EXPECT_EQ(with("space", "dance").error().code, Errc::input);
-  for (const Json& fps : {Json(0), Json(-30), Json("60"), Json(1e9), Json()})
+  for (const Json& fps : {Json(0), Json(-30), Json("60"), Json(1e9), Json(1e-9), Json()})
     EXPECT_EQ(with("fps", fps).error().code, Errc::input) << fps;
   for (const Json& channels :
        {Json::array(), Json({"a", "a"}), Json({"a", 1}), Json("ab"), Json({"a", "b", "c"})})

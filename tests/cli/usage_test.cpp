@@ -67,7 +67,7 @@ TEST_F(ProgramTest, WrongUsageIsNamed) {
       {{"animate", "speech.wav", "-o", "noextension"}, "has no extension"},
       {{"animate", "speech.wav", "-o", "a.glb", "-o", "./a.glb"}, "given twice"},
       {{"render", "a.csv"}, "--output"},
-      {{"render", "a.csv", "-o", "a.glb"}, "Known: .mp4, .webm, .png"},
+      {{"render", "a.csv", "-o", "a.mov"}, "Known: .glb, .csv, .json, .npy, .mp4, .webm, .png"},
       {{"render", "a.csv", "-o", "a.png", "--times", "1,two"}, "'two' is not a time"},
       {{"render", "a.csv", "-o", "a.png", "--audio", "speech.wav"}, "only videos have sound"},
       {{"render", "a.csv", "-o", "a.png", "--columns", "0"}, "--columns"},

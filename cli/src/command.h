@@ -22,6 +22,7 @@ struct Chosen {
 void add_animate_command(CLI::App& program, Chosen& chosen);
 void add_render_command(CLI::App& program, Chosen& chosen);
 void add_inspect_command(CLI::App& program, Chosen& chosen);
+void add_import_command(CLI::App& program, Chosen& chosen);
 void add_evaluate_command(CLI::App& program, Chosen& chosen);
 
 }  // namespace mien

@@ -1,9 +1,11 @@
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "inspect.h"
 #include "mien/console/console_exit.h"
 #include "mien/core/audio_clip.h"
-#include "mien/models/default/stream.h"
+#include "mien/models/default/default_model.h"
+#include "mien/models/model_file.h"
 
 namespace mien {
 namespace {
@@ -29,15 +31,64 @@ void add_training_set(const std::string& description, Facts& facts) {
   }
 }
 
-std::vector<std::string> names_in(const SafetensorsFile& file, const char* key) {
-  const auto found = file.metadata().find("mien.model");
-  if (found == file.metadata().end()) return {};
-  const Json json = Json::parse(found->second, nullptr, false);
+void add_training(const ModelFile& m, Facts& facts) {
+  add_training_set(m.training_set, facts);
+  if (m.training_config.empty()) return;
+  std::string text = "  ";
+  for (const char c : m.training_config) {
+    text += c;
+    if (c == '\n') text += "  ";
+  }
+  facts.add_table("training_config", text + "\n", json_string(m.training_config));
+}
+
+void add_encoder(const EncoderConfig& c, Facts& facts) {
+  facts.add("encoder", c.model_type);
+  facts.add("encoder_layers", c.num_hidden_layers);
+  facts.add("encoder_width", c.hidden_size);
+  facts.add("encoder_heads", c.num_attention_heads);
+  facts.add("encoder_norm", std::string(c.conv_layer_norm ? "layer" : "group") +
+                                (c.do_stable_layer_norm ? ", before each part" : ", after each part"));
+  facts.add("encoder_frame_rate_hz", c.frame_rate_hz(), 1, "Hz");
+}
+
+// What every model says of itself, in the description's order.
+void add_description(const ModelFile& m, Facts& facts) {
+  if (m.look_ahead_ms) facts.add("look_ahead_ms", *m.look_ahead_ms, 1, "ms");
+  facts.add("sample_rate_hz", std::int64_t{kModelSampleRateHz});
+  if (m.architecture != Architecture::speech_encoder) {
+    facts.add("space", m.output.space);
+    facts.add("fps", m.output.fps, m.output.fps == std::floor(m.output.fps) ? 0 : 3);
+    facts.add("channels", m.output.channels);
+    if (m.output.space == "vertices") {
+      facts.add("vertices", m.output.channels / 3);
+      facts.add("topology", m.output.topology.empty() ? "unknown" : m.output.topology);
+    }
+  }
+  if (m.diffusion) {
+    facts.add("diffusion_steps", m.diffusion->steps);
+    facts.add("noise_schedule", m.diffusion->schedule);
+  }
+  if (m.encoder) add_encoder(*m.encoder, facts);
+  if (m.architecture == Architecture::facediffuser_damm) facts.add("scaler", m.scaler ? "yes" : "no");
+}
+
+std::vector<std::string> regions_in(const SafetensorsFile& file) {
   std::vector<std::string> names;
-  if (json.is_object() && json.contains(key) && json[key].is_array())
-    for (const auto& name : json[key])
-      if (name.is_string()) names.push_back(name.get<std::string>());
+  for (const auto& tensor : file.tensors())
+    if (tensor.name.starts_with(ModelFile::kRegionPrefix))
+      names.push_back(tensor.name.substr(ModelFile::kRegionPrefix.size()));
   return names;
+}
+
+// Weights, without the neutral faces and regions that travel with them.
+std::int64_t count_parameters(const SafetensorsFile& file) {
+  std::int64_t count = 0;
+  for (const auto& tensor : file.tensors())
+    if (!tensor.name.starts_with(ModelFile::kTemplatePrefix) &&
+        !tensor.name.starts_with(ModelFile::kRegionPrefix))
+      count += tensor.count();
+  return count;
 }
 
 Facts other_tensors(const std::filesystem::path& path, const SafetensorsFile& file) {
@@ -61,39 +112,40 @@ Facts other_tensors(const std::filesystem::path& path, const SafetensorsFile& fi
 
 Result<Facts> inspect_model(const std::filesystem::path& path, const SafetensorsFile& file) {
   if (!file.metadata().contains("mien.model")) return other_tensors(path, file);
-  const auto model = DefaultModel::from_file(file);
-  if (!model) return within(model.error(), "model '" + path.string() + "'");
-  const auto& m = model->metadata();
+  const auto fail = [&](const Error& error) { return within(error, "model '" + path.string() + "'"); };
+  const auto description = read_model_file(file.metadata());
+  if (!description) return fail(description.error());
+  const ModelFile& m = *description;
+  std::int64_t num_parameters = count_parameters(file);
+  if (m.architecture ==
+      Architecture::default_model) {  // its statistics are no parameters; its weights are checked
+    const auto model = DefaultModel::from_file(file);
+    if (!model) return fail(model.error());
+    num_parameters = model->num_parameters();
+  }
   std::error_code ec;
   Facts facts;
   facts.add("kind", "model");
   facts.add("file", path.string());
   facts.add("name", m.name);
-  facts.add("architecture", "default");
-  facts.add("format_version", static_cast<std::int64_t>(m.kFormatVersion));
-  facts.add("parameters", model->num_parameters());
+  facts.add("architecture", architecture_name(m.architecture));
+  facts.add("format_version", static_cast<std::int64_t>(m.format_version));
+  facts.add("parameters", num_parameters);
   facts.add("bytes", static_cast<std::int64_t>(std::filesystem::file_size(path, ec)));
   facts.add("tensors", static_cast<std::int64_t>(file.tensors().size()));
-  facts.add("look_ahead_ms", default_model::look_ahead_ms(m), 1, "ms");
-  facts.add("sample_rate_hz", std::int64_t{kModelSampleRateHz});
-  facts.add("fps", DefaultStream::kFps, 0);
-  facts.add("channels", DefaultStream::kNumChannels);
-  facts.add("width", m.sizes.width);
-  facts.add("condition_width", m.sizes.condition);
-  facts.add("diffusion_hidden", m.sizes.diffusion_hidden);
-  facts.add("blink_hidden", m.sizes.blink_hidden);
-  facts.add("brow_hidden", m.sizes.brow_hidden);
-  facts.add("styles", names_in(file, "styles"));
-  facts.add("emotions", names_in(file, "emotions"));
-  add_training_set(m.training_set, facts);
-  if (!m.training_config.empty()) {
-    std::string text = "  ";
-    for (const char c : m.training_config) {
-      text += c;
-      if (c == '\n') text += "  ";
-    }
-    facts.add_table("training_config", text + "\n", json_string(m.training_config));
+  add_description(m, facts);
+  for (const auto& [name, size] : m.sizes) facts.add(name, size);
+  if (m.architecture == Architecture::default_model) {
+    facts.add("styles", m.styles);
+  } else if (m.output.space == "vertices") {
+    facts.add("subjects", m.subjects);
+    facts.add("neutral_faces", template_subjects(file));
+    facts.add("regions", regions_in(file));
   }
+  if (!m.emotions.empty()) facts.add("emotions", m.emotions);
+  if (!m.source.empty()) facts.add("source", m.source);
+  facts.add("licence", m.licence);
+  add_training(m, facts);
   return facts;
 }
 

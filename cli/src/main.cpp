@@ -108,6 +108,7 @@ int run(const std::vector<std::string>& words) {
   add_animate_command(program, chosen);
   add_render_command(program, chosen);
   add_inspect_command(program, chosen);
+  add_import_command(program, chosen);
   add_evaluate_command(program, chosen);
   add_data_command(program, chosen);
   std::string footer = "Programs of their own, when they were built:\n";

@@ -18,6 +18,7 @@ TEST_F(ProgramTest, VersionAndHelpGoToStandardOutput) {
                                                 {"animate", "--help"},
                                                 {"render", "-h"},
                                                 {"help", "inspect"},
+                                                {"help", "import"},
                                                 {"help", "evaluate"},
                                                 {"help", "evaluate", "human"},
                                                 {"evaluate", "corpus", "--help"}}) {
@@ -46,7 +47,7 @@ TEST_F(ProgramTest, WrongUsageIsNamed) {
   const std::vector<WrongUsage> cases = {
       {{"anmate", "speech.wav"}, "Did you mean 'mien animate'?"},
       {{"help", "rendr"}, "Did you mean 'mien render'?"},
-      {{"frobnicate"}, "Known: animate, render, inspect, evaluate, data, train, corpus, bench"},
+      {{"frobnicate"}, "Known: animate, render, inspect, import, evaluate, data, train, corpus, bench"},
       {{"--verbos"}, "is not known"},
       {{"animate"}, "SPEECH"},
       {{"animate", "speech.wav", "--emotoin", "happy"}, "Did you mean --emotion?"},

@@ -181,9 +181,9 @@ Result<Plan> make_plan(const ImportOptions& options, const WeightsSource& weight
   ModelFile& m = plan.description;
   MIEN_TRY(const auto system, find_system(weights, own, options.system, file));
   m.architecture = system.architecture;
-  m.name = options.sources[0].stem().string();
-  if (m.name.empty()) m.name = options.sources[0].parent_path().filename().string();
-  m.source = options.sources[0].filename().string();
+  const fs::path& source = options.sources[0];  // a folder may be given with a slash at its end
+  m.source = (source.has_filename() ? source : source.parent_path()).filename().string();
+  m.name = fs::path(m.source).stem().string();
   m.licence = "that of the imported weights";
 
   std::optional<FoundEncoder> other;

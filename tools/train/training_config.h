@@ -3,21 +3,32 @@
 #include <string>
 
 #include "mien/train/default_model.h"
+#include "table_reader.h"
 
 namespace mien::train {
 
-/// Everything a training run is made of: configs/default.toml documents the fields.
-struct TrainingConfig {
+/// What every training run has: the table [run].
+struct RunConfig {
+  std::string system = "default";  ///< or "facexhubert", "facediffuser_v" ...
   std::string name;
   std::filesystem::path data, output, work_folder;  ///< relative to the current folder
+  std::uint64_t seed = 1;
   int num_threads = 2;
+  std::string text;  ///< the file itself, kept in the model as provenance
+  torch::Device device = torch::kCPU;
+
+  void read(TomlFile& file);
+};
+
+/// Training of the default model: configs/default.toml documents the fields.
+struct TrainingConfig {
+  RunConfig run;
   default_model::Sizes sizes;
   DefaultTrainingOptions options;
   StageOptions mean, diffusion, blink, brow;
-  std::string text;  ///< the file itself, kept in the model as provenance
 };
 
-/// Errors: unreadable file (input), bad TOML, unknown or wrong fields (usage), each with its line.
-Result<TrainingConfig> load_training_config(const std::filesystem::path& path);
+/// Errors (Errc::usage): unknown or wrong fields, each with its line.
+Result<TrainingConfig> read_training_config(TomlFile& file);
 
 }  // namespace mien::train

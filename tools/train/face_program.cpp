@@ -1,0 +1,213 @@
+#include "mien/datasets/dataset.h"
+#include "mien/train/face_data.h"
+#include "programs.h"
+#include "step_reporter.h"
+
+namespace mien::train {
+namespace {
+
+using torch::Tensor;
+
+std::shared_ptr<const Dataset> shared(Dataset dataset) {
+  return std::make_shared<const Dataset>(std::move(dataset));
+}
+
+Result<Dataset> open_data(const FaceConfig& config) {
+  std::optional<DatasetKind> kind;
+  if (!config.layout.empty()) {
+    kind = parse_dataset_kind(config.layout);
+    if (!kind)
+      return Error{Errc::usage, "[run] layout '" + config.layout + "'", "is not known",
+                   "See docs/datasets.md for the names"};
+  }
+  MIEN_TRY(Dataset dataset, open_dataset(config.run.data, kind));
+  const MotionSpace space = dataset.layout->space;
+  const bool fits = config.architecture == Architecture::facediffuser_beat   ? space == MotionSpace::arkit
+                    : config.architecture == Architecture::facediffuser_damm ? space == MotionSpace::rig
+                                                                             : space == MotionSpace::vertices;
+  if (fits) return dataset;
+  return Error{Errc::incompatible, "'" + config.run.data.string() + "'",
+               "is of the layout " + std::string(dataset.layout->name) + ", which " + config.run.system +
+                   " cannot learn",
+               "Vertices are for facexhubert and facediffuser_v, beat and uudamm for the two others"};
+}
+
+// Numbers in a frame: of a mesh, those of the first sequence.
+Result<std::int64_t> width_of(const Dataset& dataset) {
+  if (dataset.layout->space != MotionSpace::vertices) return dataset.layout->width;
+  if (dataset.sequences.empty())
+    return Error{Errc::incompatible, "'" + dataset.folder.string() + "'", "has no sequence",
+                 "Run: mien data check"};
+  MIEN_TRY(const Motion first, load_sequence(dataset, dataset.sequences.front()));
+  return first.num_channels();
+}
+
+/// Everything that a run is made of.
+struct FaceRun {
+  std::shared_ptr<const Dataset> dataset;
+  ModelFile description;
+  std::unique_ptr<FaceNetwork> network;
+};
+
+FaceNetwork::Head head_for(const FaceConfig& config, const ModelFile& description) {
+  const std::int64_t group = align_features(2, 1, description.output.fps).group;
+  const std::int64_t input = group * description.encoder->hidden_size, width = description.output.channels;
+  const auto num_subjects = static_cast<std::int64_t>(description.subjects.size());
+  if (config.architecture == Architecture::facexhubert)
+    return facexhubert::Network<Tensor>({input, config.hidden, config.num_layers, num_subjects,
+                                         static_cast<std::int64_t>(description.emotions.size()), width});
+  facediffuser::Sizes sizes;
+  sizes.num_channels = width;
+  sizes.latent = config.latent;
+  sizes.hidden = config.hidden;
+  sizes.num_layers = config.num_layers;
+  sizes.num_steps = config.options.diffusion_steps;
+  sizes.condition = input;
+  if (config.architecture == Architecture::facediffuser_v) {
+    sizes.variant = facediffuser::Variant::vertices;
+    sizes.num_subjects = num_subjects;
+    return facediffuser::VertexDenoiser<Tensor>(sizes);
+  }
+  if (config.architecture == Architecture::facediffuser_beat) {
+    sizes.variant = facediffuser::Variant::beat;
+    return facediffuser::BeatDenoiser<Tensor>(sizes);
+  }
+  constexpr std::int64_t kSinusoids = 5000;  // entries of the stored table
+  sizes.variant = facediffuser::Variant::damm;
+  sizes.num_steps = std::max(kSinusoids, sizes.num_steps);
+  return facediffuser::DammDenoiser<Tensor>(sizes);
+}
+
+ModelFile describe(const FaceConfig& config, const Dataset& dataset, std::int64_t width,
+                   const EncoderConfig& encoder) {
+  ModelFile m;
+  m.architecture = config.architecture;
+  m.name = config.run.name.empty() ? config.run.system : config.run.name;
+  const DatasetLayout& layout = *dataset.layout;
+  const bool is_mesh = layout.space == MotionSpace::vertices;
+  m.output.space = is_mesh ? "vertices" : layout.space == MotionSpace::arkit ? "arkit" : "rig";
+  m.output.channels = width;
+  m.output.fps = layout.fps;
+  if (is_mesh) m.output.topology = topology_of(width / 3).name;
+  m.encoder = encoder;
+  if (config.architecture == Architecture::facexhubert)
+    m.emotions = {"neutral", "expressive"};
+  else
+    m.diffusion = {std::string(beta_schedule_name(config.options.schedule)), config.options.diffusion_steps};
+  if (is_mesh) m.subjects = config.subjects.empty() ? layout.train_subjects : config.subjects;
+  m.licence = "that of the data set '" + std::string(layout.name) + "' and of the speech encoder";
+  m.training_config = config.run.text;
+  m.training_set = "{\"layout\": \"" + std::string(layout.name) + "\"}";
+  return m;
+}
+
+// The encoder's weights; masked_spec_embed keeps its start where a checkpoint has none.
+Status load_encoder(FaceNetwork& network, const SafetensorsFile& file) {
+  Collect encoder;
+  encoder.scope("audio_encoder", network.encoder);
+  std::erase_if(encoder.entries, [&](const Collect::Entry& e) {
+    return e.name.ends_with("masked_spec_embed") && file.find(e.name) == nullptr;
+  });
+  return load_parameters(encoder.entries, file, ModelFile::kEncoderPrefix);
+}
+
+Result<FaceRun> prepare(const FaceConfig& config) {
+  FaceRun run;
+  MIEN_TRY(Dataset dataset, open_data(config));
+  run.dataset = shared(std::move(dataset));
+  MIEN_TRY(const std::int64_t width, width_of(*run.dataset));
+  MIEN_TRY(const auto file, SafetensorsFile::open(config.encoder));
+  const std::string name = "'" + config.encoder.string() + "'";
+  const auto source = read_model_file(file.metadata());
+  if (!source) return within(source.error(), name);
+  if (!source->encoder)
+    return Error{Errc::incompatible, name, "holds no speech encoder", "Make one: mien import HUBERT-FOLDER"};
+  if (config.options.spec_augment && source->encoder->mask_feature_prob > 0)
+    return Error{Errc::incompatible, name, "masks features in training, which Mien does not",
+                 "Set [random] spec_augment = false"};
+  run.description = describe(config, *run.dataset, width, *source->encoder);
+  if (config.architecture == Architecture::facediffuser_v || config.architecture == Architecture::facexhubert)
+    if (run.description.subjects.empty())
+      return Error{Errc::usage, "[run] subjects", "are needed for this data set", ""};
+  run.network.reset(new FaceNetwork{SpeechEncoder<Tensor>(*source->encoder),
+                                    head_for(config, run.description), run.description.output.fps});
+  initialise_as_published(*run.network, config.options.seed);
+  const auto loaded = load_encoder(*run.network, file);
+  if (!loaded) return within(loaded.error(), name);
+  for (const auto& e : parameters(*run.network)) *e.slot = e.slot->detach().to(config.options.device);
+  return run;
+}
+
+Status write_model(FaceRun& run, const std::filesystem::path& path) {
+  auto entries = parameters(*run.network);
+  std::vector<Tensor> neutral;
+  neutral.reserve(run.dataset->templates.size());  // entries point into it
+  for (const auto& [subject, values] : run.dataset->templates) {
+    neutral.push_back(torch::from_blob(const_cast<float*>(values.data()),
+                                       {static_cast<std::int64_t>(values.size())}, torch::kFloat));
+    entries.push_back({std::string(ModelFile::kTemplatePrefix) + subject, &neutral.back(), false});
+  }
+  return save_parameters(entries, path, false, to_metadata(run.description));
+}
+
+std::filesystem::path checkpoint_of(const FaceConfig& config) {
+  return config.run.work_folder / "checkpoint.safetensors";
+}
+
+}  // namespace
+
+Status train_face(const FaceConfig& config, ConsoleProgress& progress) {
+  torch::set_num_threads(config.run.num_threads);
+  MIEN_TRY(FaceRun run, prepare(config));
+  const bool is_mesh = run.description.output.space == "vertices";
+  MIEN_TRY(FaceSequences sequences,
+           face_sequences(run.dataset, *run.description.encoder, {run.description.subjects, is_mesh}));
+  MIEN_TRY(const auto learning, freeze(*run.network, config.frozen));
+  std::error_code ec;
+  std::filesystem::create_directories(config.run.work_folder, ec);
+  if (ec)
+    return Error{Errc::failed, config.run.work_folder.string(), "cannot be created: " + ec.message(), ""};
+  progress.say(std::to_string(sequences.num_train) + " sequences to learn from, " +
+               std::to_string(sequences.num_valid) + " to validate");
+
+  FaceStage stage(*run.network, std::move(sequences), config.options);
+  StepReporter log(config.run.work_folder / "log.tsv", progress);
+  log.begin(config.run.system);
+  auto options = StageOptions::plain_adam(config.num_epochs * stage.steps_per_epoch(), config.learning_rate);
+  options.checkpoint_every = config.checkpoint_every;
+  Status afterwards = Done{};  // of what is done after epochs
+  const auto end_epoch = [&](std::int64_t epoch) -> Status {
+    MIEN_TRY(const double valid, stage.validation_loss(epoch));
+    progress.say("epoch " + std::to_string(epoch) + ": validation loss " +
+                 shortest(static_cast<float>(valid)));
+    if (config.export_every > 0 && epoch > 0 && epoch % config.export_every == 0)
+      return write_model(run, config.run.work_folder / ("epoch_" + std::to_string(epoch) + ".safetensors"));
+    return Done{};
+  };
+  const auto report = [&](const StepReport& r) {
+    log(r);
+    if ((r.step + 1) % stage.steps_per_epoch() != 0) return;
+    const auto ended = end_epoch(r.step / stage.steps_per_epoch());
+    if (!ended) afterwards = ended.error();
+  };
+  const auto loss = [&](std::int64_t step) -> Result<Tensor> {
+    if (!afterwards) return afterwards.error();
+    return stage.loss(step);
+  };
+  MIEN_TRY([[maybe_unused]] const auto done,
+           run_stage(config.run.system, learning, options, checkpoint_of(config), loss, progress, report));
+  if (!afterwards) return afterwards;
+  MIEN_TRY([[maybe_unused]] const auto saved, write_model(run, config.run.output));
+  progress.say("wrote " + config.run.output.string());
+  return Done{};
+}
+
+Status snapshot_face(const FaceConfig& config, const std::filesystem::path& path, ConsoleProgress& progress) {
+  MIEN_TRY(FaceRun run, prepare(config));
+  MIEN_TRY(const auto learning, freeze(*run.network, config.frozen));
+  MIEN_TRY(const auto step, load_stage_average(learning, checkpoint_of(config)));
+  progress.say("checkpoint of step " + std::to_string(step));
+  return write_model(run, path);
+}
+
+}  // namespace mien::train

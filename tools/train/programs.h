@@ -1,0 +1,21 @@
+#pragma once
+#include "face_config.h"
+#include "mien/console/console_exit.h"
+#include "training_config.h"
+
+// What `mien train` runs. Each goes on from the checkpoints in its work folder.
+namespace mien::train {
+
+/// The default model in its stages.
+Status train_default(const TrainingConfig& config, ConsoleProgress& progress);
+/// Writes the default model as far as it is: averaged weights of the last checkpoints, start values where
+/// there is none yet.
+Status snapshot_default(const TrainingConfig& config, const std::filesystem::path& path,
+                        ConsoleProgress& progress);
+
+/// FaceXHuBERT or FaceDiffuser on a data set.
+Status train_face(const FaceConfig& config, ConsoleProgress& progress);
+/// Writes the model of the last checkpoint.
+Status snapshot_face(const FaceConfig& config, const std::filesystem::path& path, ConsoleProgress& progress);
+
+}  // namespace mien::train

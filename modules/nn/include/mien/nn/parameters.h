@@ -37,8 +37,11 @@ class ParameterVisitor {
   }
   template <class Module>
   void scope(std::string_view name, std::vector<Module>& modules) {
-    for (std::size_t i = 0; i < modules.size(); ++i)
-      scope(std::string(name) + "." + std::to_string(i), modules[i]);
+    for (std::size_t i = 0; i < modules.size(); ++i) {
+      std::string element(name);  // not a chain of +, at which GCC 12 gives false alarms
+      element.append(1, '.').append(std::to_string(i));
+      scope(element, modules[i]);
+    }
   }
   template <class T, class I>
   void optional(std::string_view name, T& slot, const std::vector<std::int64_t>& shape, I init) {

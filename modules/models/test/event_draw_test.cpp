@@ -51,6 +51,8 @@ Tensor speech_of(float first_groups, float last_group) {
   return speech;
 }
 
+const Tensor kNobody({1, kConditionWidth});
+
 TEST(EventDraw, PlacesACertainEventInItsFrame) {
   for (const EventKind& kind : {kBlinks, kBrowRaises}) {
     for (std::int64_t f = 0; f < kind.frames; ++f) {
@@ -59,7 +61,7 @@ TEST(EventDraw, PlacesACertainEventInItsFrame) {
       if (kind.has_size) path.out.bias.data()[kind.num_classes()] = -0.75f;
       EventDraw draw(path, 3, 1);
       for (std::int64_t step = 0; step < 4; ++step) {
-        const auto event = draw.step(speech_of(0, 0), Tensor({1, kConditionWidth}));
+        const auto event = draw.step(speech_of(0, 0), kNobody, kNobody);
         ASSERT_TRUE(event);
         EXPECT_EQ(event->frame, step * kind.frames + kind.offset + f);
         EXPECT_EQ(event->log_size, kind.has_size ? -0.75 : 0);
@@ -75,9 +77,25 @@ TEST(EventDraw, DrawsAsOftenAsItsPathSays) {
   constexpr int kSteps = 8000;
   std::array<int, 4> count{};
   for (int step = 0; step < kSteps; ++step)
-    if (const auto event = draw.step(speech_of(0, 0), Tensor({1, kConditionWidth})))
+    if (const auto event = draw.step(speech_of(0, 0), kNobody, kNobody))
       ++count[static_cast<std::size_t>(event->frame - (4 * step - 2))];
   for (const int c : count) EXPECT_NEAR(c, kSteps / 20, 70);  // 3.5 standard deviations
+}
+
+TEST(EventDraw, SharpeningScalesTheOddsByThoseOfAnUnknownStyle) {
+  EventPath<Tensor> path = path_of(kBrowRaises, 0);
+  path.out.bias.data()[0] = std::log(16.0f);  // odds of an event: 4 to 16
+  const auto count = [&](Sharpening sharpening) {
+    EventDraw draw(path, 9, 1, sharpening);
+    int events = 0;
+    for (int step = 0; step < 8000; ++step)
+      events += draw.step(speech_of(0, 0), kNobody, kNobody).has_value();
+    return events;
+  };
+  EXPECT_NEAR(count({}), 1600, 125);
+  EXPECT_NEAR(count({2, std::log(0.25)}), 1600, 125);    // neither for nor against
+  EXPECT_NEAR(count({1, std::log(0.0625)}), 4000, 160);  // odds 4 times 0.25
+  EXPECT_NEAR(count({1, 0}), 8000.0 / 17, 80);           // odds 0.25 times 0.25
 }
 
 TEST(EventDraw, ReadsTheGroupsOfItsKindOnly) {
@@ -86,7 +104,7 @@ TEST(EventDraw, ReadsTheGroupsOfItsKindOnly) {
     EventDraw draw(path, 5, 1);
     std::vector<double> out;
     for (int step = 0; step < 40; ++step)
-      if (const auto event = draw.step(speech_of(first_groups, last_group), Tensor({1, kConditionWidth})))
+      if (const auto event = draw.step(speech_of(first_groups, last_group), kNobody, kNobody))
         out.push_back(event->log_size);
     return out;
   };
@@ -97,13 +115,11 @@ TEST(EventDraw, ReadsTheGroupsOfItsKindOnly) {
 
 TEST(EventHistory, TellsThePreviousClassAndTheTimeSinceTheLastOnset) {
   EventHistory history(kBrowRaises);
-  EXPECT_EQ(history.numbers(),
-            (std::vector<float>{1, 0, 0, 0, 0, static_cast<float>(std::log1p(1.6))}));
+  EXPECT_EQ(history.numbers(), (std::vector<float>{1, 0, 0, 0, 0, static_cast<float>(std::log1p(1.6))}));
   history.add(3);
   EXPECT_EQ(history.numbers(), (std::vector<float>{0, 0, 0, 1, 0, 0}));
   history.add(0);
-  EXPECT_EQ(history.numbers(),
-            (std::vector<float>{1, 0, 0, 0, 0, static_cast<float>(std::log1p(4.0 / 60))}));
+  EXPECT_EQ(history.numbers(), (std::vector<float>{1, 0, 0, 0, 0, static_cast<float>(std::log1p(4.0 / 60))}));
   EXPECT_EQ(EventHistory(kBlinks).numbers().back(), static_cast<float>(std::log1p(1.6)));
 }
 

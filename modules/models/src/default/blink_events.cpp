@@ -14,7 +14,7 @@ BlinkEvents::BlinkEvents(const EventPath<Tensor>& path, std::uint64_t seed)
     : draw_(path, seed, kBlinkStream) {}
 
 void BlinkEvents::add_step(const Tensor& speech, const Tensor& c) {
-  auto drawn = draw_.step(speech, c);
+  auto drawn = draw_.step(speech, c, c);
   if (!drawn) return;
   BlinkEvent event = draw_blink(drawn->rng);
   event.onset_s = static_cast<double>(drawn->frame) / kMotionFps;

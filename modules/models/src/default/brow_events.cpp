@@ -9,12 +9,18 @@ namespace {
 constexpr std::uint32_t kBrowStream = 4;
 constexpr double kMotionFps = 60;
 
+// What the path hears of accents is uncertain; drawn as it says, more than half of the raises miss them.
+// Sharpened, they keep to the accents that are surest. `neutral` keeps the number of raises of the validation
+// split as it is.
+constexpr Sharpening kSharpening{1, -2.4};
+
 }  // namespace
 
-BrowEvents::BrowEvents(const EventPath<Tensor>& path, std::uint64_t seed) : draw_(path, seed, kBrowStream) {}
+BrowEvents::BrowEvents(const EventPath<Tensor>& path, std::uint64_t seed)
+    : draw_(path, seed, kBrowStream, kSharpening) {}
 
-void BrowEvents::add_step(const Tensor& speech, const Tensor& c) {
-  auto drawn = draw_.step(speech, c);
+void BrowEvents::add_step(const Tensor& speech, const Tensor& c, const Tensor& unknown_style) {
+  auto drawn = draw_.step(speech, c, unknown_style);
   if (!drawn) return;
   BrowRaise raise = draw_brow_raise(drawn->rng);
   raise.onset_s = static_cast<double>(drawn->frame) / kMotionFps;

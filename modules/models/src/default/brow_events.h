@@ -11,8 +11,9 @@ class BrowEvents {
  public:
   /// The path must outlive it.
   BrowEvents(const EventPath<Tensor>& path, std::uint64_t seed);
-  /// Decides whether and when a raise begins in the next step. speech [1, 3 W], c [1, C].
-  void add_step(const Tensor& speech, const Tensor& c);
+  /// Decides whether and when a raise begins in the next step. speech [1, 3 W]; c and the condition of
+  /// the same with unknown style, [1, C] each.
+  void add_step(const Tensor& speech, const Tensor& c, const Tensor& unknown_style);
   /// Height at 60 fps frame n, in order of n; forgets raises that are over.
   float height(std::int64_t n);
 

@@ -8,10 +8,19 @@
 
 namespace mien::default_model {
 
+/// How much more decidedly than its path an EventDraw follows the speech: the logarithm l of the odds of an
+/// event in a step becomes l + strength (l' - neutral), where l' is what the path says of a speaker of
+/// unknown style. Style thus keeps its own effect on how often events happen. 0: drawn as the path says.
+struct Sharpening {
+  double strength = 0;
+  double neutral = 0;
+};
+
 /// Draws events from an event path, step after step. The path must outlive it.
 class EventDraw {
  public:
-  EventDraw(const EventPath<Tensor>& path, std::uint64_t seed, std::uint32_t stream);
+  EventDraw(const EventPath<Tensor>& path, std::uint64_t seed, std::uint32_t stream,
+            Sharpening sharpening = {});
 
   struct Event {
     std::int64_t frame;  ///< 60 fps frame in which it begins
@@ -19,15 +28,16 @@ class EventDraw {
     Rng rng;             ///< for its shape; depends on seed, stream and step alone
   };
   /// Decides whether and when an event begins in the next step. speech [1, 3 W]: the last groups, of which it
-  /// reads as many as its kind says; c [1, C].
-  std::optional<Event> step(const Tensor& speech, const Tensor& c);
+  /// reads as many as its kind says; c and the condition of the same with unknown style, [1, C] each.
+  std::optional<Event> step(const Tensor& speech, const Tensor& c, const Tensor& unknown_style);
 
  private:
   const EventPath<Tensor>& path_;
   std::uint64_t seed_;
   std::uint32_t stream_;
+  Sharpening sharpening_;
   EventHistory history_;
-  Tensor state_;
+  Tensor state_, unknown_style_state_;
   std::int64_t num_steps_ = 0;
 };
 

@@ -12,7 +12,7 @@ constexpr double kMotionFps = 60;
 // What the path hears of accents is uncertain; drawn as it says, more than half of the raises miss them.
 // Sharpened, they keep to the accents that are surest. `neutral` keeps the number of raises of the validation
 // split as it is.
-constexpr Sharpening kSharpening{1, -2.4};
+constexpr Sharpening kSharpening{2, -2.0};
 
 }  // namespace
 

@@ -5,12 +5,12 @@
 
 #include <cmath>
 
+#include "../src/prepared_files.h"
 #include "mien/base/file.h"
 #include "mien/base/number_text.h"
 #include "mien/datasets/templates.h"
 #include "mien/io/npy.h"
 #include "mien/io/vl.h"
-#include "prepared_files.h"
 
 namespace mien::tiny {
 

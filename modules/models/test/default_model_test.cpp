@@ -1,4 +1,5 @@
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <fstream>
@@ -121,8 +122,9 @@ TEST(DefaultStream, HearsNoFurtherThanItsLookAhead) {
 }
 
 TEST(DefaultStream, RaisesTheBrowsAndMovesNothingElseForIt) {
-  const fs::path path = fs::path(testing::TempDir()) / "mien_first_version.safetensors";
-  write_small_model(path, 0);
+  const fs::path path =
+      fs::path(testing::TempDir()) / ("mien_still_brows_" + std::to_string(getpid()) + ".safetensors");
+  write_small_model(path, false);
   const auto without = DefaultModel::load(path);
   ASSERT_TRUE(without) << without.error().message();
   const auto samples = speech_like(3);

@@ -51,7 +51,7 @@ Result<ModelMetadata> from_metadata(const std::map<std::string, std::string>& me
     return fits ? found->second : 0;
   };
   m.sizes = {size("width"), size("condition"), size("diffusion_hidden"), size("blink_hidden"),
-             file.format_version == 1 ? 0 : size("brow_hidden")};
+             size("brow_hidden")};
   if (!has_all_sizes) return broken("a layer size is not within 1 ... 4096");
   if (!file.look_ahead_mel_frames || *file.look_ahead_mel_frames < 0 || *file.look_ahead_mel_frames > 100)
     return broken("the look-ahead is not within 0 ... 1 s");

@@ -104,12 +104,10 @@ struct DefaultStream::State {
       upper.add_chunk(context, network.diffusion.condition(input));
       blinks.add_step(context, network.blink.condition(input));
     }
-    if (model.metadata().sizes.brow_hidden > 0) {
-      auto unknown = input;
-      unknown.style = Tensor({1, dm::kStyleEntries});
-      unknown.style.values().back() = 1;
-      brows.add_step(context, network.brow.condition(input), network.brow.condition(unknown));
-    }
+    auto unknown = input;
+    unknown.style = Tensor({1, dm::kStyleEntries});
+    unknown.style.values().back() = 1;
+    brows.add_step(context, network.brow.condition(input), network.brow.condition(unknown));
   }
 
   [[nodiscard]] const MeanFrame& mean_at(std::int64_t n) const {

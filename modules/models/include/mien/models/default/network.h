@@ -33,7 +33,7 @@ struct Sizes {
   std::int64_t condition = 64;  // C
   std::int64_t diffusion_hidden = 256;
   std::int64_t blink_hidden = 128;
-  std::int64_t brow_hidden = 128;  // 0: no brow path, in models of format version 1
+  std::int64_t brow_hidden = 128;
 };
 
 /// Who speaks and in what mood, as weights of table entries: style [.., 1 or N, 13] sums to 1; emotion [.., 1
@@ -303,7 +303,7 @@ struct Network {
     v.scope("mean", mean);
     v.scope("diffusion", diffusion);
     v.scope("blink", blink);
-    if (sizes.brow_hidden > 0) v.scope("brow", brow);
+    v.scope("brow", brow);
     v.scope("statistics", statistics);
   }
 };

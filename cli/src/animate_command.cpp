@@ -58,6 +58,7 @@ Result<ModelFile> describe(const fs::path& path) {
 Status direct(const AnimateArguments& a, Prepared& p) {
   if (p.is_published) {
     MIEN_TRY(p.face, face_options(a.words, a.face));
+    MIEN_TRY([[maybe_unused]] const auto precision, encoder_precision(a.face));
     return Done{};
   }
   if (const std::string word = a.face.used(); !word.empty())
@@ -170,7 +171,8 @@ Result<std::vector<Motion>> perform(const AnimateArguments& a, const Prepared& p
   }
   auto clip = load_audio(a.speech);
   if (!clip) return clip.error();
-  MIEN_TRY(const FaceModel model, FaceModel::load(p.model_path, a.threads));
+  MIEN_TRY(const EncoderPrecision precision, encoder_precision(a.face));
+  MIEN_TRY(const FaceModel model, FaceModel::load(p.model_path, a.threads, precision));
   auto takes = animate(model, *clip, p.face, a.takes, a.threads, progress);
   if (takes) takes.warnings = clip.warnings;
   return takes;
@@ -275,6 +277,13 @@ void add_animate_command(CLI::App& program, Chosen& chosen) {
       ->check(CLI::Range(0.0, 1.0));
   command->add_flag("--const-noise", a->face.same_noise,
                     "Published models: fresh noise of a step is the same in all frames");
+  command->add_option("--precision", a->face.precision,
+                      "Published models: numbers of the speech encoder, f32, bf16 or int8. Default: f32");
+  command
+      ->add_option("--window", a->face.window_s,
+                   "Published models: seconds of speech to encode at once, with 5 s heard on either side; "
+                   "saves time and memory on long speech and is not exact. Default: 0, all of it")
+      ->check(CLI::Range(0.0, 3600.0));
   command->add_option("--fps", a->fps, "Frames a second, 1 to 240. Default: 60, pictures 30")
       ->check(CLI::Range(1.0, 240.0));
   command->add_option("--size", a->size, "Pixels of pictures: 512 or 640x480")->capture_default_str();

@@ -1,5 +1,8 @@
 #include "face_director.h"
 
+#include <algorithm>
+#include <cmath>
+
 namespace mien {
 
 std::string FaceWords::used() const {
@@ -8,7 +11,24 @@ std::string FaceWords::used() const {
   if (!respacing.empty()) return "--respacing";
   if (skip != 0) return "--skip";
   if (eta != 0) return "--eta";
+  if (!precision.empty()) return "--precision";
+  if (window_s != 0) return "--window";
   return same_noise ? "--const-noise" : "";
+}
+
+Result<EncoderPrecision> encoder_precision(const FaceWords& face) {
+  const std::string& word = face.precision;
+  EncoderPrecision precision = EncoderPrecision::float32;
+  if (word == "bf16") {
+    precision = EncoderPrecision::bfloat16;
+  } else if (word == "int8") {
+    precision = EncoderPrecision::int8;
+  } else if (!word.empty() && word != "f32") {
+    return Error{Errc::usage, "--precision '" + word + "'", "is not known", "Known: f32, bf16, int8"};
+  }
+  if (!encoder_precision_available(precision))
+    return Error{Errc::usage, "--precision " + word, "needs oneDNN and a processor that can", "Use f32"};
+  return precision;
 }
 
 Result<FaceOptions> face_options(const DirectionWords& words, const FaceWords& face) {
@@ -30,6 +50,13 @@ Result<FaceOptions> face_options(const DirectionWords& words, const FaceWords& f
   options.skip = face.skip;
   options.same_noise = face.same_noise;
   options.seed = words.seed;
+  if (face.window_s > 0) {
+    constexpr double kFeaturesPerSecond = 50;
+    constexpr std::int64_t kContext = 250;  // 5 s to either side: docs/performance.md, windows
+    options.windows = {.frames = std::max<std::int64_t>(1, std::llround(face.window_s * kFeaturesPerSecond)),
+                       .left = kContext,
+                       .right = kContext};
+  }
   return options;
 }
 

@@ -12,12 +12,17 @@ struct FaceWords {
   int skip = 0;
   double eta = 0;
   bool same_noise = false;
+  std::string precision;  ///< of the speech encoder: "f32", "bf16", "int8"; empty: f32
+  double window_s = 0;    ///< of speech that is encoded at once; 0: all of it
   /// Whether --steps and --sampler were given: their defaults are those of the default model.
   bool has_steps = false, has_sampler = false;
 
   /// The first of them that was used, to tell that it does not apply to another model; empty: none.
   [[nodiscard]] std::string used() const;
 };
+
+/// Errors (Errc::usage): an unknown word, or one that this processor cannot do.
+Result<EncoderPrecision> encoder_precision(const FaceWords& face);
 
 /// --subject stands for both --style and --template. --steps M is a process of M steps spread evenly; without
 /// it all steps are walked. Errors (Errc::usage): an unknown sampler, words that exclude each other.

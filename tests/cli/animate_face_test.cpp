@@ -48,6 +48,7 @@ TEST_F(AnimateFaceTest, KnowsItsOptions) {
                                              {"--subject", "M2", "--skip", "3"},
                                              {"--sampler", "ddim", "--respacing", "ddim4", "--eta", "0.5"},
                                              {"--sampler", "dpm++", "--steps", "4", "--takes", "2"},
+                                             {"--precision", "int8", "--window", "0.5"},
                                              {"--const-noise"}}) {
     auto words = more;
     words.insert(words.end(), {"-o", "out.npy"});
@@ -68,6 +69,7 @@ TEST_F(AnimateFaceTest, RefusesWhatDoesNotFit) {
   EXPECT_THAT(refusal({"--steps", "4", "--respacing", "4"}), HasSubstr("--respacing"));
   EXPECT_THAT(refusal({"--respacing", "ddim13"}), HasSubstr("ddim13"));
   EXPECT_THAT(refusal({"--skip", "12"}), HasSubstr("--skip"));
+  EXPECT_THAT(refusal({"--precision", "int4"}), HasSubstr("f32, bf16, int8"));
   EXPECT_THAT(refusal({"--emotion", "happy"}), HasSubstr("--emotion"));
   const auto other = animate({"--template", "M2"});
   EXPECT_EQ(other.exit_code, 2);

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <functional>
 #include <optional>
+#include <utility>
 
 #include "face_parts.h"
 #include "mien/models/alignment.h"
@@ -219,7 +220,7 @@ Status animate(const FaceModel& model, const AudioClip& clip, const FaceOptions&
   MIEN_TRY(const Conditions given, conditions(parts, options));
   const double fps = parts.description.output.fps;
   const auto num_samples = static_cast<std::int64_t>(clip.samples.size());
-  const std::int64_t num_features = parts.encoder.config.num_frames(num_samples);
+  const std::int64_t num_features = parts.encoder.config().num_frames(num_samples);
   const bool is_diffusion = parts.facexhubert == nullptr;
   const Alignment alignment = align_features(
       num_features, is_diffusion ? num_diffuser_frames(num_samples, fps) : num_features / 2, fps);
@@ -234,13 +235,15 @@ Status animate(const FaceModel& model, const AudioClip& clip, const FaceOptions&
     make = predicting(parts, given, num_takes, sink);
   }
   progress.stage("encoding", 0);
-  Tensor wave({num_samples, 1}, clip.samples);
-  if (parts.encoder.config.do_normalize)
-    normalise_waveform(wave.values(), parts.encoder.config.normalise_eps);
-  const Tensor features = parts.encoder(wave);
-  progress.stage("animating", alignment.num_frames);
   FeatureFeed feed(alignment, num_features, std::move(make), progress);
-  feed.push(features);
+  const EncodeOptions encoding{
+      .num_threads = num_threads, .num_frames = 0, .windows = options.windows, .on_hidden = {}};
+  bool is_first = true;
+  const Status encoded = parts.encoder.encode(clip.samples, encoding, [&](const Tensor& features) {
+    if (std::exchange(is_first, false)) progress.stage("animating", alignment.num_frames);
+    if (feed.status()) feed.push(features);
+  });
+  if (!encoded) return encoded.error();
   if (!feed.status()) return feed.status().error();
   contract(feed.is_finished(), "animate: the encoder gave fewer frames than its configuration says");
   return Done{};

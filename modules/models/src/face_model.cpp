@@ -80,10 +80,10 @@ Status check(const FaceModel::Parts& parts, std::int64_t condition, std::int64_t
                    static_cast<std::int64_t>(d.scaler->min.size()) != channels))
     return unfit("has a scaler that does not fit its channels");
   const std::int64_t group = align_features(2, 1, d.output.fps).group;
-  if (group * parts.encoder.config.hidden_size != condition)
+  if (group * parts.encoder.config().hidden_size != condition)
     return unfit("takes " + std::to_string(condition) + " speech features a frame, but " +
                  std::to_string(group) + " frames of its encoder have " +
-                 std::to_string(group * parts.encoder.config.hidden_size));
+                 std::to_string(group * parts.encoder.config().hidden_size));
   return Done{};
 }
 
@@ -101,7 +101,8 @@ FaceModel::~FaceModel() = default;
 
 const ModelFile& FaceModel::description() const { return parts_->description; }
 
-Result<FaceModel> FaceModel::load(const std::filesystem::path& path, int num_threads) {
+Result<FaceModel> FaceModel::load(const std::filesystem::path& path, int num_threads,
+                                  EncoderPrecision precision) {
   const std::string name = "loading model '" + path.string() + "'";
   auto opened = SafetensorsFile::open(path);
   if (!opened) return opened.error();
@@ -114,11 +115,10 @@ Result<FaceModel> FaceModel::load(const std::filesystem::path& path, int num_thr
     return fail(unfit("is a '" + std::string(architecture_name(description->architecture)) + "'"));
   if (!description->encoder) return fail(unfit("has no speech encoder"));
   const EncoderConfig config = *description->encoder;
-  auto parts = std::make_unique<Parts>(
-      Parts{.description = std::move(*description), .encoder = SpeechEncoder<Tensor>(config)});
-  LoadRuntime load(file, std::string(ModelFile::kEncoderPrefix));
-  parts->encoder.visit(load);
-  if (const Status status = load.finish(); !status) return fail(status.error());
+  auto encoder = EncoderRuntime::load(file, config, std::string(ModelFile::kEncoderPrefix), precision);
+  if (!encoder) return fail(encoder.error());
+  auto parts =
+      std::make_unique<Parts>(Parts{.description = std::move(*description), .encoder = std::move(*encoder)});
   if (const Status status = load_decoder(file, *parts, num_threads); !status) return fail(status.error());
 
   Status fits = Done{};

@@ -5,13 +5,13 @@
 #include "mien/models/face_model.h"
 #include "mien/models/facediffuser/folded_denoiser.h"
 #include "mien/models/facexhubert/network.h"
-#include "mien/models/speech_encoder/network.h"
+#include "mien/models/speech_encoder/encoder_runtime.h"
 
 namespace mien {
 
 struct FaceModel::Parts {
   ModelFile description;
-  SpeechEncoder<Tensor> encoder;
+  EncoderRuntime encoder;
   std::vector<std::pair<std::string, Tensor>> neutrals{};  ///< [1, D], in the order of the file
 
   /// The network, by architecture. FaceDiffuser's are kept folded; V also as it is, for its styles.

@@ -62,6 +62,34 @@ TEST(FaceModel, AnimatesAMesh) {
   EXPECT_TRUE(animate(*model, speech, options, 1, 1, progress));
 }
 
+TEST(FaceModel, EncodesInPiecesAndInFewerBits) {
+  const auto path = write_mesh_model();
+  const auto model = FaceModel::load(path);
+  ASSERT_TRUE(model) << model.error().message();
+  Progress progress;
+  const AudioClip speech = clip(3);
+  FaceOptions options;
+  const auto whole = animate(*model, speech, options, 1, 1, progress);
+  ASSERT_TRUE(whole) << whole.error().message();
+  options.windows = {.frames = 40, .left = 1000, .right = 1000};
+  const auto all_context = animate(*model, speech, options, 1, 2, progress);
+  ASSERT_TRUE(all_context) << all_context.error().message();
+  ASSERT_EQ(all_context->front().values.size(), whole->front().values.size());
+  for (std::size_t i = 0; i < whole->front().values.size(); ++i)
+    ASSERT_NEAR(all_context->front().values[i], whole->front().values[i], 1e-4) << i;
+  options.windows = {.frames = 40, .left = 10, .right = 10};
+  const auto little_context = animate(*model, speech, options, 1, 1, progress);
+  EXPECT_EQ(little_context->front().num_frames(), whole->front().num_frames());
+  EXPECT_NE(little_context->front().values, whole->front().values);
+
+  if (!encoder_precision_available(EncoderPrecision::int8)) return;
+  const auto coarse = FaceModel::load(path, 1, EncoderPrecision::int8);
+  ASSERT_TRUE(coarse) << coarse.error().message();
+  const auto rounded = animate(*coarse, speech, {}, 1, 1, progress);
+  EXPECT_EQ(rounded->front().num_frames(), whole->front().num_frames());
+  EXPECT_NE(rounded->front().values, whole->front().values);
+}
+
 TEST(FaceModel, AnimatesRigsAndPredictsExpressions) {
   Progress progress;
   facediffuser::Sizes beat{.variant = facediffuser::Variant::beat,

@@ -11,6 +11,7 @@
 #include "mien/core/motion.h"
 #include "mien/models/model_file.h"
 #include "mien/models/seeds.h"
+#include "mien/models/speech_encoder/encoder_runtime.h"
 #include "mien/motion/sampler.h"
 
 namespace mien {
@@ -25,6 +26,7 @@ struct FaceOptions {
   std::int64_t skip = 0;    ///< noisiest steps to leave out
   bool same_noise = false;  ///< fresh noise of a step is the same in all frames ("const noise")
   std::uint64_t seed = 0;   ///< same seed, same performance
+  EncoderWindows windows;   ///< long speech in pieces, which is not exact; none: at once
 };
 
 /// A published system, loaded with its speech encoder: FaceXHuBERT or FaceDiffuser. Immutable; may be shared
@@ -34,7 +36,8 @@ class FaceModel {
   /// Whether animate() below runs models of this architecture.
   static bool runs(Architecture architecture);
   /// Errors: unreadable file (input); another architecture, broken or wrong weights (incompatible).
-  static Result<FaceModel> load(const std::filesystem::path& path, int num_threads = 1);
+  static Result<FaceModel> load(const std::filesystem::path& path, int num_threads = 1,
+                                EncoderPrecision precision = EncoderPrecision::float32);
   FaceModel(FaceModel&&) noexcept;
   FaceModel& operator=(FaceModel&&) noexcept;
   ~FaceModel();

@@ -15,6 +15,7 @@
 #include "outputs.h"
 #include "pictures.h"
 #include "share.h"
+#include "vertex_outputs.h"
 
 namespace mien {
 namespace {
@@ -27,6 +28,7 @@ struct AnimateArguments {
   std::vector<std::string> outputs;
   DirectionWords words;
   FaceWords face;
+  VertexOptions vertices;
   int takes = 1;
   double fps = 0;  // 0: 60 for motion, 30 for pictures
   std::string size = "512", view = "portrait";
@@ -43,6 +45,7 @@ struct Prepared {
   fs::path model_path, character_path;
   Bytes character_glb;                 // when a .glb is written
   std::optional<Character> character;  // when pictures are drawn
+  std::optional<Mesh> mesh;            // of a model that moves vertices, which needs no character
   PictureOptions pictures;
 };
 
@@ -68,24 +71,37 @@ Status direct(const AnimateArguments& a, Prepared& p) {
   return Done{};
 }
 
-// Positions of vertices go into .npy: they need no face rig. `mien render` makes the rest of it.
-Status check_vertex_outputs(const std::vector<Output>& outputs) {
-  for (const auto& output : outputs)
-    if (output.kind != OutputKind::motion || output.path.extension() != ".npy")
+// The mesh whose vertices the model moves; outputs that cannot be made of it are refused before the work.
+Status prepare_mesh(const AnimateArguments& a, const ModelFile& model, Prepared& p) {
+  const auto mesh = vertex_mesh(a.vertices, vertex_motion(topology_of(model.output.channels / 3), 1));
+  if (!mesh) return mesh.error();
+  Status status = Done{};
+  for (const auto& output : p.outputs) {
+    const auto extension = output.path.extension();
+    if (extension == ".csv" || extension == ".json")
       return Error{Errc::usage, "output '" + output.path.string() + "'",
-                   "cannot hold the vertices that this model moves",
-                   "Write .npy, and turn it into films, .glb or meshes with mien render"};
-  return Done{};
+                   "cannot hold the vertices that this model moves", "Write .npy, .glb, meshes or pictures"};
+    if (output.is_picture() && mesh->triangles.empty())
+      return Error{Errc::usage, "output '" + output.path.string() + "'", "a picture needs triangles",
+                   "Pass --mesh FILE with the template of the data set (.obj or .ply)"};
+    if (output.is_glb()) status.warnings = mesh.warnings;
+  }
+  p.mesh = *mesh;
+  return status;
 }
 
 Result<Prepared> prepare(const AnimateArguments& a) {
   Prepared p;
+  ModelFile model;
   bool moves_vertices = false;
   if (!a.model.empty()) {
-    MIEN_TRY(const ModelFile model, describe(a.model));
+    MIEN_TRY(model, describe(a.model));
     p.is_published = FaceModel::runs(model.architecture);
     moves_vertices = p.is_published && model.output.space == "vertices";
   }
+  if (!a.vertices.mesh.empty() && !moves_vertices)
+    return Error{Errc::usage, "--mesh", "is for models that move vertices",
+                 "Leave it out, or pass a face with --character"};
   MIEN_TRY([[maybe_unused]] const auto directed, direct(a, p));
   const auto size = parse_size(a.size);
   if (!size) return size.error();
@@ -101,17 +117,21 @@ Result<Prepared> prepare(const AnimateArguments& a) {
     p.model_path = a.model;
   }
   MIEN_TRY(p.character_path, character_path(a.character));
-  constexpr OutputKind kAll[] = {OutputKind::motion, OutputKind::video, OutputKind::sheet,
-                                 OutputKind::frames};
-  const std::array<fs::path, 3> inputs = {a.speech, p.model_path, p.character_path};
-  MIEN_TRY(p.outputs, plan_outputs(names, inputs, kAll, a.takes));
-  if (moves_vertices) {
-    MIEN_TRY([[maybe_unused]] const auto fit, check_vertex_outputs(p.outputs));
-  }
-  return p;
+  constexpr OutputKind kAll[] = {OutputKind::motion, OutputKind::video, OutputKind::sheet, OutputKind::frames,
+                                 OutputKind::meshes};
+  const std::span<const OutputKind> kinds = std::span(kAll).first(moves_vertices ? 5 : 4);
+  const std::array<fs::path, 4> inputs = {a.speech, p.model_path, p.character_path, a.vertices.mesh};
+  MIEN_TRY(p.outputs, plan_outputs(names, inputs, kinds, a.takes));
+  if (!moves_vertices) return p;
+  const Status mesh = prepare_mesh(a, model, p);
+  if (!mesh) return mesh.error();
+  Result<Prepared> prepared(std::move(p));
+  prepared.warnings = mesh.warnings;
+  return prepared;
 }
 
 Status load_character_for(const std::vector<Output>& outputs, Prepared& p, ConsoleProgress& progress) {
+  if (p.mesh) return Done{};
   const auto any = [&](auto wanted) { return std::any_of(outputs.begin(), outputs.end(), wanted); };
   if (any([](const Output& o) { return o.is_glb(); })) {
     MIEN_TRY(p.character_glb, character_glb(p.character_path));
@@ -139,9 +159,23 @@ std::string json_list(const std::vector<Output>& outputs) {
   return "[" + list + "]";
 }
 
+Status write_vertex_outputs(const AnimateArguments& a, const Prepared& p, const std::vector<Motion>& takes,
+                            const AudioClip* sound, ConsoleProgress& progress) {
+  const std::size_t per_take = p.outputs.size() / takes.size();
+  const VertexShow show{p.pictures, sound, fs::path(a.speech).filename().string()};
+  for (std::size_t k = 0; k < p.outputs.size(); ++k) {
+    const Status written =
+        write_vertex_output(p.outputs[k], takes[k / per_take], *p.mesh, a.vertices, show, progress);
+    if (!written) return written.error();
+    for (const auto& warning : written.warnings) progress.warn(warning);
+  }
+  return Done{};
+}
+
 // Writes all outputs of all takes. Motion files are small and written side by side; films take all threads.
 Status write_outputs(const AnimateArguments& a, const Prepared& p, const std::vector<Motion>& takes,
                      const AudioClip* sound, ConsoleProgress& progress) {
+  if (p.mesh) return write_vertex_outputs(a, p, takes, sound, progress);
   const std::size_t per_take = p.outputs.size() / takes.size();
   std::vector<Status> results(p.outputs.size(), Status(Done{}));
   const MotionContext context{
@@ -180,7 +214,10 @@ Result<std::vector<Motion>> perform(const AnimateArguments& a, const Prepared& p
 
 Status run_animate(const AnimateArguments& a, ConsoleProgress& progress) {
   const auto start = std::chrono::steady_clock::now();
-  MIEN_TRY(Prepared p, prepare(a));
+  auto prepared = prepare(a);
+  if (!prepared) return prepared.error();
+  for (const auto& warning : prepared.warnings) progress.warn(warning);
+  Prepared& p = *prepared;
   MIEN_TRY([[maybe_unused]] const AudioReader readable, AudioReader::open(a.speech));
   progress.event("start", "\"command\":\"animate\",\"input\":" + json_string(a.speech) + ",\"model\":" +
                               json_string(p.model_path.string()) + ",\"outputs\":" + json_list(p.outputs) +
@@ -290,12 +327,15 @@ void add_animate_command(CLI::App& program, Chosen& chosen) {
   command->add_option("--view", a->view, "front, portrait, three-quarter, side or mouth")
       ->capture_default_str();
   command->add_flag("--allow-silence", a->allow_silence, "Animate a silent recording too: a face at rest");
+  add_vertex_options(*command, a->vertices);
   add_threads_option(*command, a->threads);
   add_console_options(*command, chosen);
   add_footer(*command,
              "  mien animate hello.wav\n"
              "  mien animate hello.wav -o hello.glb -o hello.csv -o hello.mp4 --emotion happy:2 --seed 7\n"
-             "  mien animate hello.wav --model biwi.safetensors --subject M3 --skip 450 -o hello.npy\n");
+             "  mien animate hello.wav --model biwi.safetensors --subject M3 --skip 450 -o hello.npy\n"
+             "  mien animate hello.wav --model voca.safetensors --mesh FLAME_sample.ply -o hello.glb -o "
+             "hello.mp4\n");
   command->callback([a, steps, sampler, &chosen] {
     a->face.has_steps = steps->count() > 0;
     a->face.has_sampler = sampler->count() > 0;

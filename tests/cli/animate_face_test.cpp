@@ -1,6 +1,7 @@
 // mien animate with an imported model: FaceDiffuser on a small mesh.
 #include <gmock/gmock.h>
 
+#include "mien/io/character_file.h"
 #include "mien/io/motion_file.h"
 #include "mien/io/npy.h"
 #include "program.h"
@@ -57,13 +58,34 @@ TEST_F(AnimateFaceTest, KnowsItsOptions) {
   }
 }
 
+TEST_F(AnimateFaceTest, PutsItsVerticesOnAMesh) {
+  // 20 vertices in two rows, with triangles between them.
+  std::string obj;
+  for (int v = 0; v < 20; ++v) obj += "v " + std::to_string(v % 10) + " " + std::to_string(v / 10) + " 0\n";
+  for (int v = 1; v < 10; ++v)
+    obj += "f " + std::to_string(v) + " " + std::to_string(v + 1) + " " + std::to_string(v + 10) + "\n";
+  write("face.obj", obj);
+  const auto run = face({"--mesh", "face.obj", "-o", "a.glb", "-o", "a.obj/", "-o", "a.png", "--size", "64"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.err, HasSubstr("49 frames of 20 vertices"));
+  const auto glb = load_character(in_folder("a.glb"));
+  ASSERT_TRUE(glb) << glb.error().message();
+  EXPECT_EQ(glb->parts.front().mesh.positions.size(), 20u);
+  EXPECT_FALSE(glb->parts.front().shapes.empty());
+  EXPECT_TRUE(std::filesystem::exists(in_folder("a.obj/frame_000048.obj")));
+  EXPECT_TRUE(std::filesystem::exists(in_folder("a.png")));
+  EXPECT_EQ(face({"--mesh", "absent.obj", "-o", "a.glb"}).exit_code, 3);
+  EXPECT_EQ(animate({"--mesh", "face.obj"}).exit_code, 2) << "the default model moves no vertices";
+}
+
 TEST_F(AnimateFaceTest, RefusesWhatDoesNotFit) {
   const auto refusal = [&](const std::vector<std::string>& more) {
     const auto run = face(more);
     EXPECT_EQ(run.exit_code, 2) << run.err;
     return run.err;
   };
-  EXPECT_THAT(refusal({"-o", "a.glb"}), HasSubstr("mien render"));
+  EXPECT_THAT(refusal({"-o", "a.csv"}), HasSubstr("vertices"));
+  EXPECT_THAT(refusal({"-o", "a.png"}), HasSubstr("triangles"));
   EXPECT_THAT(refusal({"--style", "M9"}), HasSubstr("It knows: F1, M2"));
   EXPECT_THAT(refusal({"--eta", "0.5"}), HasSubstr("ddim"));
   EXPECT_THAT(refusal({"--steps", "4", "--respacing", "4"}), HasSubstr("--respacing"));

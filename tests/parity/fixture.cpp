@@ -16,9 +16,12 @@ T taken(Result<T> result) {
 }  // namespace
 
 std::filesystem::path fixture_root() {
-  const char* root = std::getenv("MIEN_FIXTURES");
-  return root != nullptr && *root != '\0' ? std::filesystem::path(root)
-                                          : std::filesystem::path(MIEN_SHARED_DIR) / "fixtures";
+  if (const char* root = std::getenv("MIEN_FIXTURES"); root != nullptr && *root != '\0') return root;
+  const auto shared = std::filesystem::path(MIEN_SHARED_DIR) / "fixtures";
+  std::error_code absent;
+  return std::filesystem::is_directory(shared, absent)
+             ? shared
+             : std::filesystem::path(MIEN_TEST_DATA_DIR) / "fixtures";
 }
 
 std::vector<std::string> cases(std::string_view folder, std::string_view prefix, std::string_view suffix) {

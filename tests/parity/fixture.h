@@ -14,7 +14,8 @@
 
 namespace mien::parity {
 
-/// Folder of the recorded cases: MIEN_FIXTURES, else ../shared/fixtures beside the project.
+/// Folder of the recorded cases: MIEN_FIXTURES, else ../shared/fixtures beside the project, else the part of them
+/// that is committed (tests/data/fixtures).
 std::filesystem::path fixture_root();
 
 /// The <name>s of all files <prefix><name><suffix> in a folder of fixture_root(), sorted; without those that

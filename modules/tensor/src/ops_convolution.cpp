@@ -34,7 +34,7 @@ Tensor unfold_rows(const Tensor& x, std::int64_t kernel, std::int64_t dilation) 
 Tensor conv_rows(const Tensor& x, const PackedMatrix& w, const Tensor& bias, std::int64_t kernel,
                  std::int64_t dilation, std::int64_t stride, int num_threads) {
   if (kernel != 1 && dilation != 1) {
-    contract(stride == 1, "conv_rows: dilation and stride together are not implemented");
+    contract(stride == 1, "conv_rows: a dilated convolution has stride 1");
     return linear(unfold_rows(x, kernel, dilation), w, bias, num_threads);
   }
   // Neighbouring rows already lie one after the other: the unfolded matrix is x itself, seen with overlapping

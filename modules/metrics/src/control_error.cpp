@@ -5,6 +5,7 @@
 #include <limits>
 #include <span>
 
+#include "mean_of_defined.h"
 #include "mien/core/arkit.h"
 #include "mien/core/rig_controls.h"
 
@@ -40,15 +41,6 @@ double energy_deviation(const Motion& motion, std::int64_t num_frames,
   }
   for (const double e : energies) squares += (e - mean) * (e - mean);
   return std::sqrt(squares / static_cast<double>(num_frames));
-}
-
-template <class Value>
-double mean_of_defined(const std::vector<ControlError>& sequences, Value value) {
-  double sum = 0;
-  std::int64_t count = 0;
-  for (const auto& sequence : sequences)
-    if (const double x = value(sequence); !std::isnan(x)) sum += x, ++count;
-  return count == 0 ? kNan : sum / static_cast<double>(count);
 }
 
 }  // namespace

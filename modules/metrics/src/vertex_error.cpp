@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "mean_of_defined.h"
 #include "mien/base/contract.h"
 
 namespace mien {
@@ -38,15 +39,6 @@ double movement(const Motion& motion, std::int64_t num_frames, std::span<const f
     sum += std::sqrt(squares / count);
   }
   return sum / static_cast<double>(vertices.size());
-}
-
-template <class Value>
-double mean_of_defined(const std::vector<VertexError>& sequences, Value value) {
-  double sum = 0;
-  std::int64_t count = 0;
-  for (const auto& sequence : sequences)
-    if (const double x = value(sequence); !std::isnan(x)) sum += x, ++count;
-  return count == 0 ? kNan : sum / static_cast<double>(count);
 }
 
 }  // namespace

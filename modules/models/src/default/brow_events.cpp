@@ -10,8 +10,8 @@ constexpr std::uint32_t kBrowStream = 4;
 constexpr double kMotionFps = 60;
 
 // What the path hears of accents is uncertain; drawn as it says, more than half of the raises miss them.
-// Sharpened, they keep to the accents that are surest. `neutral` keeps the number of raises of the validation
-// split as it is.
+// Sharpened, they keep to the accents that are surest. `neutral` keeps the number of raises about as it is
+// (docs/quality.md).
 constexpr Sharpening kSharpening{2, -2.0};
 
 }  // namespace

@@ -1,9 +1,9 @@
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <numbers>
 #include <optional>
 
+#include "csv_text.h"
 #include "even_motion.h"
 #include "mien/base/number_text.h"
 #include "mien/core/arkit.h"
@@ -18,33 +18,6 @@ namespace {
 using namespace io;
 
 constexpr double kHalfDay = 12 * 3600.0;
-
-Error bad_line(std::size_t line, std::string why, std::string fix = "") {
-  return {Errc::input, "CSV line " + std::to_string(line), std::move(why), std::move(fix)};
-}
-
-std::string_view trimmed(std::string_view text) {
-  const auto is_blank = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
-  while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
-  while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
-  return text;
-}
-
-std::vector<std::string_view> split(std::string_view line) {
-  std::vector<std::string_view> fields;
-  for (;;) {
-    const auto comma = line.find(',');
-    fields.push_back(trimmed(line.substr(0, comma)));
-    if (comma == std::string_view::npos) return fields;
-    line.remove_prefix(comma + 1);
-  }
-}
-
-std::string lower(std::string_view text) {
-  std::string out;
-  for (const char c : text) out += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return out;
-}
 
 // What the header says: for each channel of the result, its column.
 struct Layout {

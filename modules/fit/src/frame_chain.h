@@ -12,7 +12,8 @@ namespace mien {
 ///
 /// with d [T, K] and w [T - 1, K], both >= 0. Neighbouring frames meet channel by channel only, so that
 /// eliminating a frame needs its inverse and nothing else. d and w may differ by many orders of magnitude: an
-/// interior point method makes them huge where a limit holds. Time T K^3, memory T K^2.
+/// interior point method makes them huge where a limit holds. Time T K^3; memory per frame about 4 K^2 bytes
+/// for the lower half of one inverse, in blocks of 8 x 8.
 class FrameChain {
  public:
   /// @param quadratic  P [K, K] symmetric
@@ -25,20 +26,15 @@ class FrameChain {
   void solve(std::span<double> x, std::span<double> change) const;
 
  private:
-  [[nodiscard]] const double* packed(const std::vector<double>& triangles, std::int64_t n) const {
-    return triangles.data() + n * num_channels_ * (num_channels_ + 1) / 2;
-  }
+  [[nodiscard]] const double* inverse(std::int64_t n) const { return inverses_.data() + n * size_; }
 
-  std::int64_t num_channels_, num_frames_, stride_;
-  std::vector<double> quadratic_;  // [K, stride]
-  // Of each frame n after those before it are eliminated, lower triangles [T, K (K + 1) / 2]:
-  std::vector<double> frames_;    // A_n, without the ties to the frame after it
-  std::vector<double> inverses_;  // (A_n + W_n)^-1
-  std::vector<double> coupling_;  // [T - 1, K]
+  std::int64_t num_channels_, num_frames_;
+  std::int64_t num_blocks_, width_, size_;  // of one padded matrix
+  std::vector<double> quadratic_;           // blocks; ones on the diagonal of what is padded
+  // Of each frame n after those before it are eliminated:
+  std::vector<double> inverses_;   // [T] (A_n + W_n)^-1 in blocks
+  std::vector<double> diagonals_;  // [T, width] diagonal of A_n, without the ties to the frame after it
+  std::vector<double> coupling_;   // [T - 1, width] w, 0 in the padding
 };
-
-/// Inverse of a symmetric positive definite matrix, in place (Gauss-Jordan). @param a  [K, stride], stride >=
-/// K; what lies between K and stride is overwritten. False when a pivot is not positive.
-bool invert(double* a, std::int64_t num_rows, std::int64_t stride);
 
 }  // namespace mien

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "../src/symmetric_blocks.h"
 #include "mien/base/random.h"
 
 namespace mien {
@@ -23,27 +24,36 @@ std::vector<double> random_definite(std::int64_t k, Rng& rng) {
   return p;
 }
 
-TEST(FrameChain, InvertsAMatrixInPlace) {
+TEST(SymmetricBlocks, InvertAndMultiply) {
   Rng rng(1);
-  for (const std::int64_t k : {1, 2, 7, 8, 9, 32, 52}) {
-    const std::int64_t stride = (k + 7) / 8 * 8;
+  for (const std::int64_t num_blocks : {1, 2, 4, 7}) {
+    const std::int64_t k = num_blocks * kBlock;
     const auto p = random_definite(k, rng);
-    std::vector<double> inverse(static_cast<std::size_t>(k * stride));
-    for (std::int64_t i = 0; i < k; ++i) std::copy_n(p.data() + i * k, k, inverse.data() + i * stride);
-    ASSERT_TRUE(invert(inverse.data(), k, stride));
+    std::vector<double> blocks(static_cast<std::size_t>(block_offset(num_blocks, 0)));
     for (std::int64_t i = 0; i < k; ++i)
-      for (std::int64_t j = 0; j < k; ++j) {
-        double product = 0;
-        for (std::int64_t m = 0; m < k; ++m) product += p[i * k + m] * inverse[m * stride + j];
-        EXPECT_NEAR(product, i == j, 1e-9) << k << ' ' << i << ' ' << j;
-      }
+      for (std::int64_t j = 0; j < (i / kBlock + 1) * kBlock; ++j)
+        blocks[block_offset(i / kBlock, j / kBlock) + i % kBlock * kBlock + j % kBlock] = p[i * k + j];
+    std::vector<double> x(static_cast<std::size_t>(k)), y(x.size()), z(x.size());
+    for (double& v : x) v = rng.normal();
+    multiply_blocks(blocks.data(), num_blocks, x.data(), y.data());
+    multiply_off_diagonal(blocks.data(), num_blocks, x.data(), z.data());
+    for (std::int64_t i = 0; i < k; ++i) {
+      double sum = 0;
+      for (std::int64_t j = 0; j < k; ++j) sum += p[i * k + j] * x[j];
+      EXPECT_NEAR(y[i], sum, 1e-11);
+      EXPECT_NEAR(z[i], sum - p[i * k + i] * x[i], 1e-11);
+    }
+    std::vector<double> scratch(static_cast<std::size_t>(2 * k * kBlock)), back(x.size());
+    ASSERT_TRUE(invert_blocks(blocks.data(), num_blocks, scratch.data()));
+    multiply_blocks(blocks.data(), num_blocks, y.data(), back.data());
+    for (std::int64_t i = 0; i < k; ++i) EXPECT_NEAR(back[i], x[i], 1e-9) << num_blocks << ' ' << i;
   }
 }
 
 TEST(FrameChain, SolvesWhatItsDefinitionSays) {
   Rng rng(2);
   for (const std::int64_t t : {1, 2, 3, 17}) {
-    const std::int64_t k = 5;
+    const std::int64_t k = t == 2 ? 19 : 5;  // one block, three blocks
     const auto p = random_definite(k, rng);
     std::vector<double> d(static_cast<std::size_t>(t * k)), w(static_cast<std::size_t>((t - 1) * k)),
         r(d.size());

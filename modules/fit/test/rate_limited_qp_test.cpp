@@ -2,9 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
+#include "../src/active_set.h"
+#include "../src/interior_point.h"
 #include "mien/base/random.h"
 
 namespace mien {
@@ -58,8 +61,8 @@ TEST(RateLimitedQp, KeepsEveryLimitAndNoFeasibleStepImprovesIt) {
     const auto solution = solve(problem.view(0.1), progress);
     ASSERT_TRUE(solution.has_value());
     const auto& u = solution->curves;
-    EXPECT_LE(solution->stationarity, 1e-10);
-    EXPECT_LE(solution->complementarity, 1e-10);
+    EXPECT_LE(solution->stationarity, 1e-13);
+    EXPECT_LE(solution->complementarity, 1e-13);
     for (std::size_t i = 0; i < u.size(); ++i) {
       EXPECT_TRUE(u[i] >= 0 && u[i] <= 1);
       const double before = i < 6 ? u[i] : u[i - 6];
@@ -95,6 +98,54 @@ TEST(RateLimitedQp, WithoutARateLimitEveryFrameIsAlone) {
     ASSERT_TRUE(alone.has_value());
     for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(together->curves[n * 4 + i], alone->curves[i], 1e-8);
   }
+}
+
+// Both solvers on all frames at once.
+std::vector<double> solve_whole(const RateLimitedQp& problem) {
+  const ScaledQp scaled(problem);
+  FrameChain chain(scaled.quadratic, scaled.num_channels, scaled.num_frames);
+  InteriorPoint point(scaled, chain);
+  while (point.complementarity() > 1e-8)
+    if (!point.iterate()) return {};
+  PolishedPoint polished;
+  return polish(scaled, chain, point.x(), point.multipliers(), polished) ? polished.x : std::vector<double>();
+}
+
+TEST(RateLimitedQp, WindowsOfALongSequenceJoinToTheOptimumOfTheWhole) {
+  const Problem problem = random_problem(4, 5000, 17);
+  Progress progress;
+  const auto solution = solve(problem.view(0.02), progress);
+  ASSERT_TRUE(solution.has_value());
+  const auto whole = solve_whole(problem.view(0.02));
+  ASSERT_EQ(whole.size(), solution->curves.size());
+  for (std::size_t i = 0; i < whole.size(); ++i) ASSERT_NEAR(solution->curves[i], whole[i], 1e-10) << i;
+}
+
+// Against a narrow limit one step of the target becomes a slope longer than what windows share, which then
+// have to be solved together.
+TEST(RateLimitedQp, LimitsThatReachAcrossWindowsAreSolvedTogether) {
+  constexpr double kChange = 0.6 / 1500;
+  Problem problem{1, 5000, {1}, std::vector<double>(5000)};
+  for (std::size_t n = 0; n < 5000; ++n) problem.q[n] = n < 1900 || n > 4200 ? -0.2 : -0.8;
+  Progress progress;
+  const auto solution = solve(problem.view(kChange), progress);
+  ASSERT_TRUE(solution.has_value());
+  const auto whole = solve_whole(problem.view(kChange));
+  ASSERT_EQ(whole.size(), solution->curves.size());
+  for (std::size_t i = 0; i < whole.size(); ++i) ASSERT_NEAR(solution->curves[i], whole[i], 1e-9) << i;
+  EXPECT_NEAR(solution->curves[1900] - solution->curves[1899], kChange, 1e-12);
+}
+
+TEST(RateLimitedQp, MoreLimitsThanValuesHoldAtOnce) {
+  // From 0 to 1 in ten frames at the limit: both ends of the box and all ten changes hold.
+  Problem problem{1, 30, {1}, std::vector<double>(30)};
+  for (std::size_t n = 0; n < 30; ++n) problem.q[n] = n < 15 ? 50 : -50;
+  Progress progress;
+  const auto solution = solve(problem.view(0.1), progress);
+  ASSERT_TRUE(solution.has_value());
+  for (std::size_t n = 0; n < 30; ++n)
+    EXPECT_NEAR(solution->curves[n], std::clamp(0.1 * (static_cast<double>(n) - 9.5), 0.0, 1.0), 0.0501) << n;
+  EXPECT_LT(solution->stationarity, 1e-8);
 }
 
 TEST(RateLimitedQp, NoFramesAndNoChannels) {

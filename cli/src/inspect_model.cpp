@@ -6,6 +6,7 @@
 #include "mien/core/audio_clip.h"
 #include "mien/models/default/default_model.h"
 #include "mien/models/model_file.h"
+#include "mien/models/said/vae.h"
 
 namespace mien {
 namespace {
@@ -53,9 +54,9 @@ void add_encoder(const EncoderConfig& c, Facts& facts) {
 }
 
 // What every model says of itself, in the description's order.
-void add_description(const ModelFile& m, Facts& facts) {
+void add_description(const ModelFile& m, const SafetensorsFile& file, Facts& facts) {
   if (m.look_ahead_ms) facts.add("look_ahead_ms", *m.look_ahead_ms, 1, "ms");
-  facts.add("sample_rate_hz", std::int64_t{kModelSampleRateHz});
+  if (m.architecture != Architecture::said_vae) facts.add("sample_rate_hz", std::int64_t{kModelSampleRateHz});
   if (m.architecture != Architecture::speech_encoder) {
     facts.add("space", m.output.space);
     facts.add("fps", m.output.fps, m.output.fps == std::floor(m.output.fps) ? 0 : 3);
@@ -70,6 +71,10 @@ void add_description(const ModelFile& m, Facts& facts) {
     facts.add("noise_schedule", m.diffusion->schedule);
   }
   if (m.encoder) add_encoder(*m.encoder, facts);
+  if (m.architecture == Architecture::said_vae) {
+    const auto sizes = said::vae_sizes_of(file);
+    if (sizes) facts.add("window_frames", sizes->window), facts.add("code", sizes->latent);
+  }
   if (m.architecture == Architecture::facediffuser_damm) facts.add("scaler", m.scaler ? "yes" : "no");
 }
 
@@ -133,7 +138,7 @@ Result<Facts> inspect_model(const std::filesystem::path& path, const Safetensors
   facts.add("parameters", num_parameters);
   facts.add("bytes", static_cast<std::int64_t>(std::filesystem::file_size(path, ec)));
   facts.add("tensors", static_cast<std::int64_t>(file.tensors().size()));
-  add_description(m, facts);
+  add_description(m, file, facts);
   for (const auto& [name, size] : m.sizes) facts.add(name, size);
   if (m.architecture == Architecture::default_model) {
     facts.add("styles", m.styles);

@@ -337,7 +337,6 @@ TEST_F(ImportParity, OtherSystemsAreRefusedByName) {
     EXPECT_THAT(model.error().message(), HasSubstr(system));
   };
   expect("said/tiny_checkpoint.pth", "holds SAiD");
-  expect("said/vae.pth", "codec of SAiD");
   expect("probtalk3d/stage2_last.ckpt", "holds ProbTalk3D");
   expect("probtalk3d/facediffuser_emo_state_dict.pth", "emotional FaceDiffuser of ProbTalk3D");
 }

@@ -27,6 +27,12 @@ constexpr std::array kTolerances = {
     Tolerance{"face loss", 2e-7, 0, "a mean in float32; seen 1.5e-8"},
     Tolerance{"face gradient", 4e-7, 0, "float32, back through a whole encoder; seen 3.4e-8"},
     Tolerance{"after Adam", 1e-5, 0, "seen 2.1e-6 of 2e-4: Adam divides small gradients by their size"},
+    Tolerance{"said code", 1e-4, 0, "float32; values reach 41"},
+    Tolerance{"said window", 2e-5, 0, "float32 through both halves of the codec"},
+    Tolerance{"said metric", 0, 1e-9, "double"},
+    Tolerance{"said metric of few samples", 0, 1e-6, "double; roots of eigenvalues near 0"},
+    Tolerance{"said plan", 1e-9, 0, "double"},
+    Tolerance{"said loss", 0, 1e-5, "sums over thousands of values in float32"},
     Tolerance{"encoder waveform", 2e-6, 1e-6, "the recorded statistics are float32 sums"},
 };
 

@@ -9,8 +9,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 constexpr const char* kKey = "mien.model";
-constexpr std::array<std::string_view, 6> kArchitectures = {
-    "default", "speech_encoder", "facexhubert", "facediffuser_v", "facediffuser_beat", "facediffuser_damm"};
+constexpr std::array<std::string_view, 7> kArchitectures = {
+    "default",           "speech_encoder",    "facexhubert", "facediffuser_v",
+    "facediffuser_beat", "facediffuser_damm", "said_vae"};
 constexpr std::int64_t kMostChannels = 30'000'000, kMostSteps = 1'000'000;
 constexpr double kMostFps = 1000;
 
@@ -62,7 +63,7 @@ Json to_json(const ModelFile& m) {
   json["format_version"] = m.format_version;
   json["architecture"] = architecture_name(m.architecture);
   json["name"] = m.name;
-  json["input"] = {{"sample_rate_hz", 16000}};
+  if (m.architecture != Architecture::said_vae) json["input"] = {{"sample_rate_hz", 16000}};
   if (!m.input.empty()) json["input"]["features"] = m.input;
   if (m.architecture != Architecture::speech_encoder) {
     json["output"] = {{"space", m.output.space}, {"channels", m.output.channels}};
@@ -111,7 +112,7 @@ Status read_json(const Json& json, ModelFile& m) {
     m.output.fps = output.at("fps").get<double>();
     read(output, "topology", m.output.topology);
   }
-  if (m.architecture != Architecture::default_model) {
+  if (m.architecture != Architecture::default_model && m.architecture != Architecture::said_vae) {
     MIEN_TRY(m.encoder, encoder_config_from_json(json.at("encoder").dump()));
   }
   if (const auto diffusion = json.find("diffusion"); diffusion != json.end())

@@ -16,6 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 constexpr float kMostHalf = 65504;
+constexpr double kSaidFps = 60;
 // Feature extractors normalised with 1e-5 up to version 4.10 of the library, which the HuBERT systems pinned,
 // and with 1e-7 from 4.11 on, which SAiD used for wav2vec 2.0.
 constexpr double kOldNormaliseEps = 1e-5, kNewNormaliseEps = 1e-7;
@@ -174,6 +175,22 @@ Status add_side_files(const ImportOptions& options, Plan& plan) {
   return Done{};
 }
 
+// SAiD's motion codec: no speech, no subjects, no diffusion.
+Status plan_motion_codec(const ImportOptions& options, const FoundSystem& system, Plan& plan) {
+  const std::string file = quoted(options.sources[0]);
+  if (!options.templates.empty() || !options.scaler.empty() || !options.regions.empty() ||
+      !options.subjects.empty() || !options.encoder.empty() || options.steps)
+    return Error{Errc::usage, file, "is a motion codec: options of an animation model do not apply", ""};
+  auto facts = system_facts(system, file);
+  if (!facts) return facts.error();
+  keep_warnings(plan.warnings, facts.warnings);
+  plan.tensors = std::move(facts->tensors);
+  plan.description.output.space = "arkit";
+  plan.description.output.channels = facts->channels;
+  plan.description.output.fps = options.fps.value_or(kSaidFps);
+  return Done{};
+}
+
 Result<Plan> make_plan(const ImportOptions& options, const WeightsSource& weights,
                        const std::optional<FoundEncoder>& own, const WeightsSource* encoder_weights) {
   const std::string file = quoted(options.sources[0]);
@@ -185,6 +202,10 @@ Result<Plan> make_plan(const ImportOptions& options, const WeightsSource& weight
   m.source = (source.has_filename() ? source : source.parent_path()).filename().string();
   m.name = fs::path(m.source).stem().string();
   m.licence = "that of the imported weights";
+  if (m.architecture == Architecture::said_vae) {
+    MIEN_TRY([[maybe_unused]] const auto planned, plan_motion_codec(options, system, plan));
+    return plan;
+  }
 
   std::optional<FoundEncoder> other;
   if (!own && encoder_weights != nullptr) {

@@ -5,6 +5,7 @@
 
 #include "mien/models/facediffuser/network.h"
 #include "mien/models/facexhubert/network.h"
+#include "mien/models/said/vae.h"
 #include "mien/nn/runtime_operations.h"
 
 namespace mien {
@@ -32,6 +33,7 @@ std::optional<Architecture> recognise(const Shapes& shapes) {
     return Architecture::facediffuser_beat;
   if (has("rnn.weight_ih_l0") && has("out.weight") && has("embed_timestep.time_embed.0.weight"))
     return Architecture::facediffuser_damm;
+  if (has("encoder.conv_layers.0.weight") && has("encoder.fc_mu.weight")) return Architecture::said_vae;
   return std::nullopt;
 }
 
@@ -42,7 +44,6 @@ std::optional<std::string> other_system(const Shapes& shapes) {
   };
   if (any("denoiser.model.")) return "SAiD";
   if (any("motion_prior.")) return "ProbTalk3D";
-  if (any("encoder.conv_layers.") && any("encoder.fc_layers.")) return "the motion codec of SAiD";
   const auto style = shapes.find("obj_vector.weight");
   if (style != shapes.end() && style->second.size() == 2 && style->second[1] == kEmotionalStyle &&
       !shapes.contains("emo_vector.weight"))
@@ -77,13 +78,14 @@ Result<FoundSystem> find_system(const WeightsSource& weights, const std::optiona
   if (!wanted.empty()) {
     for (const auto architecture :
          {Architecture::speech_encoder, Architecture::facexhubert, Architecture::facediffuser_v,
-          Architecture::facediffuser_beat, Architecture::facediffuser_damm})
+          Architecture::facediffuser_beat, Architecture::facediffuser_damm, Architecture::said_vae})
       if (wanted == architecture_name(architecture)) {
         found.architecture = architecture;
         return found;
       }
     return Error{Errc::usage, "--system", "'" + wanted + "' is not known",
-                 "Known: speech_encoder, facexhubert, facediffuser_v, facediffuser_beat, facediffuser_damm"};
+                 "Known: speech_encoder, facexhubert, facediffuser_v, facediffuser_beat, facediffuser_damm, "
+                 "said_vae"};
   }
   if (const auto other = other_system(shapes))
     return Error{Errc::incompatible, file, "holds " + *other + ", which this version does not import",
@@ -96,7 +98,8 @@ Result<FoundSystem> find_system(const WeightsSource& weights, const std::optiona
       names += (i == 0 ? "'" : ", '") + weights.tensors()[i].name + "'";
     return Error{Errc::incompatible, file,
                  "holds no network that Mien knows; its tensors are " + names + " ...",
-                 "Mien imports HuBERT, wav2vec 2.0, FaceXHuBERT and FaceDiffuser (docs/import.md)"};
+                 "Mien imports HuBERT, wav2vec 2.0, FaceXHuBERT, FaceDiffuser and SAiD's motion codec "
+                 "(docs/import.md)"};
   }
   return found;
 }
@@ -112,6 +115,11 @@ Result<SystemFacts> system_facts(const FoundSystem& found, const std::string& fi
     facts.num_subjects = sizes->num_subjects;
     facts.condition = sizes->input;
     tensors = tensors_of(facexhubert::Network<Tensor>(*sizes), found, file);
+  } else if (found.architecture == Architecture::said_vae) {
+    const auto sizes = said::vae_sizes_of(shapes);
+    if (!sizes) return within(sizes.error(), file);
+    facts.channels = sizes->channels;
+    tensors = tensors_of(said::Vae<Tensor>(*sizes), found, file);
   } else {
     using facediffuser::Variant;
     const auto sizes = facediffuser::sizes_of(shapes);
@@ -139,8 +147,9 @@ Result<SystemFacts> system_facts(const FoundSystem& found, const std::string& fi
   Result<SystemFacts> result(std::move(facts));
   std::set<std::string_view> used;
   for (const auto& tensor : result->tensors) used.insert(tensor.source);
-  for (const auto& tensor : found.tensors)
-    if (!used.contains(tensor.source)) result.warnings.push_back("left out tensor '" + tensor.source + "'");
+  for (const auto& tensor : found.tensors)  // a batch norm's counter is no weight: its loss needs no warning
+    if (!used.contains(tensor.source) && !tensor.name.ends_with(".num_batches_tracked"))
+      result.warnings.push_back("left out tensor '" + tensor.source + "'");
   return result;
 }
 

@@ -20,8 +20,10 @@ enum class Architecture {
   facediffuser_v,
   facediffuser_beat,
   facediffuser_damm,
+  said_vae,  ///< SAiD's motion codec, which measures motion and makes none from speech
 };
-/// "default", "speech_encoder", "facexhubert", "facediffuser_v", "facediffuser_beat", "facediffuser_damm"
+/// "default", "speech_encoder", "facexhubert", "facediffuser_v", "facediffuser_beat", "facediffuser_damm",
+/// "said_vae"
 std::string_view architecture_name(Architecture architecture);
 
 /// What a frame of the model's motion is.

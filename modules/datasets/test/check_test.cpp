@@ -7,6 +7,7 @@
 
 #include "mien/base/file.h"
 #include "mien/io/npy.h"
+#include "test_folder.h"
 #include "tiny_data.h"
 
 namespace mien {
@@ -25,7 +26,7 @@ Result<DatasetReport> check(const std::filesystem::path& folder,
 }
 
 TEST(Dataset, IsListedWithSplitsTemplatesAndRates) {
-  const tiny::Folder folder;
+  const TestFolder folder;
   tiny::write_prepared(DatasetKind::vocaset, folder.path(),
                        {"FaceTalk_170728_03272_TA_sentence01", "FaceTalk_170809_00138_TA_sentence21"});
   const auto dataset = open_dataset(folder.path());
@@ -52,7 +53,7 @@ TEST(Dataset, EveryLayoutIsReadInItsTrueForm) {
       {DatasetKind::multiface, {"2_1", "2_41", "1_46"}},
       {DatasetKind::uudamm, {"1_2181", "1_968", "1_1021"}}};
   for (const auto& [kind, names] : cases) {
-    const tiny::Folder folder;
+    const TestFolder folder;
     tiny::write_prepared(kind, folder.path(), names);
     const auto report = check(folder.path(), kind, true);
     ASSERT_TRUE(report) << report.error().message();
@@ -69,7 +70,7 @@ TEST(Dataset, EveryLayoutIsReadInItsTrueForm) {
 }
 
 TEST(Dataset, BeatIsSplitByEmotionAndSubject) {
-  const tiny::Folder folder;
+  const TestFolder folder;
   std::vector<std::string> names;
   for (int i = 1; i <= 20; ++i) names.push_back("2_3_" + std::to_string(i));
   tiny::write_prepared(DatasetKind::beat, folder.path(), names);
@@ -86,7 +87,7 @@ TEST(Dataset, BeatIsSplitByEmotionAndSubject) {
 }
 
 TEST(DatasetCheck, NamesWhatIsMissingAndOdd) {
-  const tiny::Folder folder;
+  const TestFolder folder;
   tiny::write_prepared(DatasetKind::biwi, folder.path(), {"F2_e01", "F2_e02", "F3_e01", "F9_e01"});
   std::filesystem::remove(folder.path() / "wav" / "F2_e02.wav");
   tiny::write_sound(folder.path() / "wav" / "F4_e01.wav", 1);
@@ -106,7 +107,7 @@ TEST(DatasetCheck, NamesWhatIsMissingAndOdd) {
 }
 
 TEST(DatasetCheck, NamesWhatWouldFail) {
-  const tiny::Folder folder;
+  const TestFolder folder;
   tiny::write_prepared(DatasetKind::multiface, folder.path(), {"2_1", "2_2", "3_1", "6_1", "7_1"});
   tiny::write_ramp(folder.path() / "vertices_npy" / "2_2.npy", 30, 15);
   ASSERT_TRUE(write_file(folder.path() / "vertices_npy" / "3_1.npy", std::string_view("no array")));
@@ -130,7 +131,7 @@ TEST(DatasetCheck, NamesWhatWouldFail) {
 }
 
 TEST(DatasetCheck, EmptyAndMissingFolders) {
-  const tiny::Folder folder;
+  const TestFolder folder;
   EXPECT_EQ(check(folder.path()).error().code, Errc::input);
   EXPECT_EQ(check(folder.path() / "nowhere").error().code, Errc::input);
   std::filesystem::create_directories(folder.path() / "wav");
@@ -142,7 +143,7 @@ TEST(DatasetCheck, EmptyAndMissingFolders) {
 }
 
 TEST(Dataset, ArraysOfAnotherKindAreErrors) {
-  const tiny::Folder folder;
+  const TestFolder folder;
   tiny::write_prepared(DatasetKind::beat, folder.path(), {"2_3_01"});
   const auto dataset = open_dataset(folder.path(), DatasetKind::beat);
   for (const std::vector<std::int64_t>& shape :

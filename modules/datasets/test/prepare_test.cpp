@@ -10,6 +10,7 @@
 #include "mien/datasets/check.h"
 #include "mien/datasets/scaling.h"
 #include "mien/io/vl.h"
+#include "test_folder.h"
 #include "tiny_data.h"
 
 namespace mien {
@@ -63,7 +64,7 @@ void write_biwi(const fs::path& raw) {
 }
 
 TEST(Prepare, BiwiForFaceXHuBERT) {
-  const tiny::Folder raw, out;
+  const TestFolder raw, out;
   write_biwi(raw.path());
   Progress progress;
   const auto report =
@@ -89,7 +90,7 @@ TEST(Prepare, BiwiForFaceXHuBERT) {
 }
 
 TEST(Prepare, BiwiForFaceDiffuserTakesEmotionalReadings) {
-  const tiny::Folder raw, out;
+  const TestFolder raw, out;
   write_biwi(raw.path());
   Progress progress;
   const auto report = prepare_dataset(DatasetKind::biwi, raw.path(), out.path(),
@@ -105,7 +106,7 @@ TEST(Prepare, BiwiForFaceDiffuserTakesEmotionalReadings) {
 }
 
 TEST(Prepare, BeatInPiecesOfTenSeconds) {
-  const tiny::Folder raw, out;
+  const TestFolder raw, out;
   tiny::write_beat_json(raw.path() / "2" / "2_scott_0_65_65.json", 1300);  // two pieces and a rest
   tiny::write_sound(raw.path() / "2" / "2_scott_0_65_65.wav", 21.7);
   tiny::write_beat_json(raw.path() / "2" / "2_scott_0_72_72.json", 600);  // the end point counts as neutral
@@ -133,7 +134,7 @@ TEST(Prepare, BeatInPiecesOfTenSeconds) {
 }
 
 TEST(Prepare, WhatCannotBePreparedIsAnError) {
-  const tiny::Folder raw, out;
+  const TestFolder raw, out;
   Progress progress;
   const auto code = [&](DatasetKind kind, const PrepareOptions& options) {
     const auto report = prepare_dataset(kind, raw.path(), out.path(), options, progress);

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "test_folder.h"
 #include "tiny_data.h"
 
 namespace mien {
@@ -12,7 +13,7 @@ using testing::ElementsAre;
 
 // Two folders with empty arrays of these names.
 struct Folders {
-  tiny::Folder predicted, truth;
+  TestFolder predicted, truth;
   Folders(const std::vector<std::string>& predictions, const std::vector<std::string>& truths) {
     for (const auto& name : predictions) tiny::write_ramp(predicted.path() / (name + ".npy"), 1, 3);
     for (const auto& name : truths) tiny::write_ramp(truth.path() / (name + ".npy"), 1, 3);

@@ -16,18 +16,6 @@ namespace mien::tiny {
 
 namespace fs = std::filesystem;
 
-Folder::Folder() {
-  static int count = 0;
-  path_ = fs::temp_directory_path() /
-          ("mien_datasets_" + std::to_string(getpid()) + "_" + std::to_string(count++));
-  fs::create_directories(path_);
-}
-
-Folder::~Folder() {
-  std::error_code ec;
-  fs::remove_all(path_, ec);
-}
-
 void write_sound(const fs::path& path, double seconds) {
   AudioClip clip;
   for (int i = 0; i < static_cast<int>(seconds * clip.sample_rate_hz); ++i)

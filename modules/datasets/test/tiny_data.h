@@ -7,19 +7,6 @@
 
 namespace mien::tiny {
 
-/// A folder of a test's own, removed at its end.
-class Folder {
- public:
-  Folder();
-  ~Folder();
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
-
 /// A prepared data set in its true form, small: one second of sound and motion for every name, meshes of
 /// `num_vertices` vertices (coefficients have the width of the layout), templates for the subjects of the
 /// names.

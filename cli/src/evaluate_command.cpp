@@ -2,6 +2,7 @@
 #include <cstdio>
 
 #include "director.h"
+#include "evaluate_coefficients.h"
 #include "evaluate_sequences.h"
 #include "mien/audio/load_audio.h"
 #include "mien/base/parallel.h"
@@ -124,12 +125,14 @@ std::shared_ptr<EvaluateArguments> add_common(CLI::App& command, Chosen& chosen)
 }  // namespace
 
 void add_evaluate_command(CLI::App& program, Chosen& chosen) {
-  auto* command = program.add_subcommand("evaluate", "Measure a model on a benchmark, or sequences against the truth");
+  auto* command =
+      program.add_subcommand("evaluate", "Measure a model on a benchmark, or sequences against the truth");
   command->require_subcommand(1);
   auto* human = command->add_subcommand("human", "Lips, silence and jaw on recordings of people");
   auto* corpus = command->add_subcommand("corpus", "Everything against redrawn truth on a synthetic corpus");
 
   add_sequence_evaluations(*command, chosen);
+  add_coefficient_evaluation(*command, chosen);
 
   const auto h = add_common(*human, chosen);
   human->add_option("--takes", h->takes, "Takes of each recording, 1 to 100")

@@ -16,7 +16,7 @@ namespace mien {
 namespace {
 
 struct DataArguments {
-  std::string folder, layout, output, templates, mesh;
+  std::string folder, layout, output, templates, mesh, drop_vertices, scaler;
   bool read_values = false, json = false;
 };
 
@@ -89,8 +89,10 @@ Status run_prepare(const DataArguments& a, ConsoleProgress& progress) {
   MIEN_TRY(const auto kind, chosen_layout(a));
   progress.event("start", "\"command\":\"data prepare\",\"input\":" + json_string(a.folder) +
                               ",\"outputs\":[" + json_string(a.output) + "]");
-  const auto report =
-      prepare_dataset(*kind, a.folder, a.output, {.templates = a.templates, .mesh = a.mesh}, progress);
+  const auto report = prepare_dataset(
+      *kind, a.folder, a.output,
+      {.templates = a.templates, .mesh = a.mesh, .drop_vertices = a.drop_vertices, .scaler = a.scaler},
+      progress);
   if (!report) return report.error();
   for (const auto& warning : report.warnings) progress.warn(warning);
   const std::string sequences = std::to_string(report->num_sequences),
@@ -125,15 +127,21 @@ void add_data_command(CLI::App& program, Chosen& chosen) {
   auto* prepare = command->add_subcommand("prepare", "Bring recordings into the form that training reads");
   auto p = std::make_shared<DataArguments>();
   prepare->add_option("RAW", p->folder, "Folder of the recordings as their makers deliver them")->required();
-  prepare->add_option("--layout", p->layout, "biwi, biwi-expressive or beat")->required();
+  prepare->add_option("--layout", p->layout, layouts)->required();
   prepare->add_option("-o,--output", p->output, "Folder to write")->required();
-  prepare->add_option("--templates", p->templates,
-                      "biwi-expressive: unscaled templates (templates_orig.pkl)");
+  prepare->add_option(
+      "--templates", p->templates,
+      "biwi-expressive, multiface: unscaled templates (templates_orig.pkl); vocaset: its templates");
   prepare->add_option("--mesh", p->mesh, "biwi: a mesh with the triangles (.obj .ply)");
+  prepare->add_option("--drop-vertices", p->drop_vertices,
+                      "multiface: text file with the vertices to leave out");
+  prepare->add_option("--scaler", p->scaler,
+                      "uudamm: the published scaler.pkl. Default: the recordings' own ranges");
   add_console_options(*prepare, chosen);
   add_footer(
       *prepare,
-      "  mien data prepare BIWI/raw --layout biwi-expressive --templates templates_orig.pkl -o data/BIWI\n");
+      "  mien data prepare BIWI/raw --layout biwi-expressive --templates templates_orig.pkl -o data/BIWI\n"
+      "  mien data prepare VOCASET/trainingdata --layout vocaset -o data/vocaset\n");
   prepare->callback(
       [p, &chosen] { chosen.work = [p](ConsoleProgress& progress) { return run_prepare(*p, progress); }; });
 }

@@ -149,7 +149,8 @@ TEST_F(SequenceTest, DataCheckTellsProblemsByItsExitCode) {
   EXPECT_TRUE(facts["problems"].empty());
   EXPECT_EQ(mien({"data", "check", "nowhere"}).exit_code, 3);
   EXPECT_EQ(mien({"data", "check", "BEAT", "--layout", "beta"}).exit_code, 2);
-  EXPECT_EQ(mien({"data", "prepare", "BEAT", "--layout", "vocaset", "-o", "out"}).exit_code, 2);
+  EXPECT_EQ(mien({"data", "prepare", "BEAT", "--layout", "vocaset", "-o", "out"}).exit_code, 3);
+  EXPECT_EQ(mien({"data", "prepare", "BEAT", "--layout", "multiface", "-o", "out"}).exit_code, 2);
 }
 
 }  // namespace

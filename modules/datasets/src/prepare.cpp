@@ -1,5 +1,6 @@
 #include "mien/datasets/prepare.h"
 
+#include "mien/base/contract.h"
 #include "preparers.h"
 
 namespace mien {
@@ -14,13 +15,14 @@ Result<PrepareReport> prepare_dataset(DatasetKind kind, const std::filesystem::p
     case DatasetKind::beat:
       return datasets::prepare_beat(raw, out, progress);
     case DatasetKind::vocaset:
+      return datasets::prepare_vocaset(raw, out, options, progress);
     case DatasetKind::multiface:
+      return datasets::prepare_multiface(raw, out, options, progress);
     case DatasetKind::uudamm:
-      break;
+      return datasets::prepare_uudamm(raw, out, options, progress);
   }
-  return Error{Errc::usage, std::string(dataset_layout(kind).name),
-               "Mien does not prepare this data set from its raw form",
-               "Bring it into wav/ and vertices_npy/ as docs/datasets.md says, then run: mien data check"};
+  contract(false, "prepare_dataset: unknown kind");
+  return PrepareReport{};
 }
 
 }  // namespace mien

@@ -49,12 +49,6 @@ std::string raw_name(const Recording& r) {
   return r.subject + "_" + (r.reading.emotional ? "e" : "") + two_digits(r.reading.sentence);
 }
 
-// The number at the end of "frame_001".
-std::optional<std::int64_t> frame_number(const std::string& stem) {
-  const auto digits = stem.find_last_not_of("0123456789");
-  return parse_int(std::string_view(stem).substr(digits == std::string::npos ? 0 : digits + 1));
-}
-
 struct Raw {
   std::map<std::string, Recording> recordings;  // by raw name
   std::map<std::string, fs::path> sounds;       // by raw name

@@ -5,6 +5,7 @@
 #include <span>
 
 #include "mien/base/file.h"
+#include "mien/base/number_text.h"
 
 namespace mien::datasets {
 
@@ -27,6 +28,11 @@ struct WavHeader {
 static_assert(sizeof(WavHeader) == 44);
 
 }  // namespace
+
+std::optional<std::int64_t> frame_number(const std::string& stem) {
+  const auto digits = stem.find_last_not_of("0123456789");
+  return parse_int(std::string_view(stem).substr(digits == std::string::npos ? 0 : digits + 1));
+}
 
 Status make_folders(const fs::path& out) {
   for (const char* name : {"wav", "vertices_npy"}) {

@@ -1,5 +1,7 @@
 #pragma once
+#include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "mien/base/result.h"
@@ -8,6 +10,8 @@
 
 namespace mien::datasets {
 
+/// The number at the end of the name of a frame's file, "frame_001"; nothing when there is none.
+std::optional<std::int64_t> frame_number(const std::string& stem);
 /// Makes <out>/wav and <out>/vertices_npy. Errors (Errc::failed).
 Status make_folders(const std::filesystem::path& out);
 /// <out>/vertices_npy/<name>.npy

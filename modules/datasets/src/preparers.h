@@ -7,6 +7,12 @@ namespace mien::datasets {
 Result<PrepareReport> prepare_biwi(DatasetKind kind, const std::filesystem::path& raw,
                                    const std::filesystem::path& out, const PrepareOptions& options,
                                    Progress& progress);
+Result<PrepareReport> prepare_vocaset(const std::filesystem::path& raw, const std::filesystem::path& out,
+                                      const PrepareOptions& options, Progress& progress);
+Result<PrepareReport> prepare_multiface(const std::filesystem::path& raw, const std::filesystem::path& out,
+                                        const PrepareOptions& options, Progress& progress);
+Result<PrepareReport> prepare_uudamm(const std::filesystem::path& raw, const std::filesystem::path& out,
+                                     const PrepareOptions& options, Progress& progress);
 Result<PrepareReport> prepare_beat(const std::filesystem::path& raw, const std::filesystem::path& out,
                                    Progress& progress);
 

@@ -140,7 +140,7 @@ TEST(Prepare, WhatCannotBePreparedIsAnError) {
     const auto report = prepare_dataset(kind, raw.path(), out.path(), options, progress);
     return report ? Errc::failed : report.error().code;
   };
-  EXPECT_EQ(code(DatasetKind::vocaset, {}), Errc::usage);
+  EXPECT_EQ(code(DatasetKind::multiface, {}), Errc::usage);
   EXPECT_EQ(code(DatasetKind::biwi, {}), Errc::usage);
   EXPECT_EQ(code(DatasetKind::biwi_expressive, {}), Errc::usage);
   EXPECT_EQ(code(DatasetKind::beat, {}), Errc::input);

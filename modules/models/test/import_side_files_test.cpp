@@ -5,6 +5,7 @@
 #include "import/side_files.h"
 #include "import/system_subjects.h"
 #include "mien/base/file.h"
+#include "mien/io/min_max_scaler.h"
 
 namespace mien {
 namespace {
@@ -73,9 +74,9 @@ TEST_F(SideFiles, TemplatesAndScalersThatAreSomethingElse) {
       "12345678tbs.";
   EXPECT_THAT(templates(face), HasSubstr("with 2 coordinates, the model has 9"));
   EXPECT_TRUE(read_templates(write("t.pkl", face), 2));
-  const auto scaler = read_scaler(write("s.pkl", "cos\nsystem\n(U\x02lstR."), 9);
+  const auto scaler = read_min_max_scaler(write("s.pkl", "cos\nsystem\n(U\x02lstR."), 9);
   EXPECT_THAT(scaler.error().message(), HasSubstr("'os.system', expected a MinMaxScaler"));
-  EXPECT_THAT(read_scaler(write("s.pkl", "}."), 9).error().message(), HasSubstr("no MinMaxScaler"));
+  EXPECT_THAT(read_min_max_scaler(write("s.pkl", "}."), 9).error().message(), HasSubstr("no MinMaxScaler"));
 }
 
 TEST(SubjectNames, ArePublishedGivenOrNumbers) {

@@ -7,6 +7,7 @@
 
 #include "encoder_weights.h"
 #include "mien/core/topology.h"
+#include "mien/io/min_max_scaler.h"
 #include "side_files.h"
 #include "system_subjects.h"
 #include "system_weights.h"
@@ -55,8 +56,8 @@ Result<ImportOptions> sorted_sources(ImportOptions options) {
       options.encoder = path;
     } else if (path.extension() == ".pkl") {
       MIEN_TRY(const auto pickle, Pickle::open(path, {.keep_foreign = true}));
-      fs::path& slot = is_scaler(pickle.root()) ? options.scaler : options.templates;
-      if (!slot.empty()) return twice(path, is_scaler(pickle.root()) ? "--scaler" : "--templates");
+      fs::path& slot = is_min_max_scaler(pickle.root()) ? options.scaler : options.templates;
+      if (!slot.empty()) return twice(path, is_min_max_scaler(pickle.root()) ? "--scaler" : "--templates");
       slot = path;
     } else {
       return Error{Errc::usage, quoted(path), "is a second model: one is imported at a time",
@@ -161,7 +162,8 @@ Status add_side_files(const ImportOptions& options, Plan& plan) {
     plan.warnings.emplace_back("no neutral faces were given (--templates): the model cannot be run without");
   }
   if (!options.scaler.empty()) {
-    MIEN_TRY(plan.description.scaler, read_scaler(options.scaler, m.output.channels));
+    MIEN_TRY(MinMaxScaler scaler, read_min_max_scaler(options.scaler, m.output.channels));
+    plan.description.scaler = ModelScaler{std::move(scaler.scale), std::move(scaler.min)};
   } else if (m.architecture == Architecture::facediffuser_damm) {
     plan.warnings.emplace_back("no scaler was given (--scaler): controls stay within -1 ... 1");
   }

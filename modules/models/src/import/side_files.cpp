@@ -34,8 +34,6 @@ std::optional<std::vector<double>> numbers_in(std::string_view text) {
 
 }  // namespace
 
-bool is_scaler(const PickleValue& root) { return root.class_name().ends_with(".MinMaxScaler"); }
-
 Result<Templates> read_templates(const fs::path& path, std::int64_t channels) {
   MIEN_TRY(const auto pickle, Pickle::open(path));
   const auto root = pickle.root();
@@ -59,30 +57,6 @@ Result<Templates> read_templates(const fs::path& path, std::int64_t channels) {
     templates.emplace_back(std::string(*subject), std::move(*values));
   }
   return templates;
-}
-
-Result<ModelScaler> read_scaler(const fs::path& path, std::int64_t channels) {
-  MIEN_TRY(const auto pickle, Pickle::open(path, {.keep_foreign = true}));
-  const auto root = pickle.root();
-  if (!is_scaler(root))
-    return misfit(path, root.class_name().empty() ? "holds no MinMaxScaler of scikit-learn"
-                                                  : "holds an object of '" + std::string(root.class_name()) +
-                                                        "', expected a MinMaxScaler of scikit-learn");
-  const auto read = [&](const char* member) -> Result<std::vector<double>> {
-    const auto value = root.state() ? root.state()->find(member) : std::nullopt;
-    const auto* array = value ? value->array() : nullptr;
-    if (array == nullptr || array->count() != channels)
-      return misfit(path, std::string("has no ") + member + " of " + std::to_string(channels) +
-                              " numbers, one per channel of the model");
-    return array->to_doubles();
-  };
-  ModelScaler scaler;
-  MIEN_TRY(scaler.scale, read("scale_"));
-  MIEN_TRY(scaler.min, read("min_"));
-  for (std::size_t c = 0; c < scaler.scale.size(); ++c)
-    if (!std::isfinite(scaler.min[c]) || !std::isfinite(scaler.scale[c]) || scaler.scale[c] == 0)
-      return misfit(path, "has no inverse at channel " + std::to_string(c));
-  return scaler;
 }
 
 Result<Region> read_region(const std::string& argument, std::int64_t num_vertices) {

@@ -11,16 +11,10 @@ namespace mien {
 
 using Templates = std::vector<std::pair<std::string, std::vector<float>>>;
 
-/// True when the root of a pickle is a MinMaxScaler, which tells a scaler's .pkl from templates.
-bool is_scaler(const PickleValue& root);
-
 /// Neutral faces by subject: a pickled dictionary of arrays [V, 3] or [3 V], vertex by vertex. Errors: as
 /// Pickle::open(); (Errc::incompatible): something else inside, or another number of coordinates than
 /// `channels`.
 Result<Templates> read_templates(const std::filesystem::path& path, std::int64_t channels);
-
-/// scale_ and min_ of a pickled MinMaxScaler of scikit-learn. Errors as read_templates().
-Result<ModelScaler> read_scaler(const std::filesystem::path& path, std::int64_t channels);
 
 struct Region {
   std::string name;

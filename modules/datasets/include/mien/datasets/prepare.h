@@ -10,9 +10,12 @@
 namespace mien {
 
 struct PrepareOptions {
-  std::filesystem::path
-      templates;  ///< biwi_expressive: unscaled templates (templates_orig.pkl); see load_templates()
-  std::filesystem::path mesh;  ///< biwi: a mesh with the triangles of the frames (.obj, .ply)
+  /// biwi_expressive, multiface: unscaled templates (templates_orig.pkl); vocaset: its templates, empty for
+  /// templates.pkl beside the recordings. See load_templates().
+  std::filesystem::path templates{};
+  std::filesystem::path mesh{};           ///< biwi: a mesh with the triangles of the frames (.obj, .ply)
+  std::filesystem::path drop_vertices{};  ///< multiface: numbers of the vertices to leave out, a text file
+  std::filesystem::path scaler{};         ///< uudamm: the published MinMaxScaler (.pkl); empty: measured
 };
 
 struct PrepareReport {
@@ -35,9 +38,22 @@ struct PrepareReport {
 /// sound each (mono, 16 kHz, 32-bit float: what every model hears), named <actor>_<emotion>_<running index>.
 /// Recordings of an actor are taken in the order of their names.
 ///
-/// Warnings: recordings that were left out, and why. Errors: Errc::usage for the other data sets, whose raw
-/// form is not published or needs their makers' programs; Errc::input when nothing was found or a file is
-/// damaged; Errc::incompatible when meshes, templates and triangles do not fit; Errc::cancelled.
+/// vocaset (section 10.2): data_verts.npy, subj_seq_to_idx.pkl and raw_audio_fixed.pkl as released. All
+/// frames are kept; loading takes every second one.
+///
+/// multiface (section 10.3): folders <subject>_<sentence> or <subject>/<sentence> with one mesh (.obj, .ply)
+/// a frame, sentences by number, and <subject>_<sentence>.wav anywhere below. The vertices that are named are
+/// left out, the others keep their order; every axis is scaled by the authors' constants. Sound: mean of the
+/// channels, 20 dB louder, 16 kHz.
+///
+/// uudamm (section 10.5): <actor>_<recording>.npy [frames, 192] at 120 frames a second, exported from the
+/// makers' scenes, with the .wav of the same name. Every fourth frame is kept, in pieces of 300 with ten
+/// seconds of sound, scaled to -1 ... 1 by the published scaler, or by the ranges of these recordings, which
+/// are then written as scaler.safetensors.
+///
+/// Warnings: recordings that were left out, and why. Errors: Errc::usage for an option that is missing;
+/// Errc::input when nothing was found or a file is damaged; Errc::incompatible when meshes, templates,
+/// triangles and tables do not fit; Errc::cancelled.
 Result<PrepareReport> prepare_dataset(DatasetKind kind, const std::filesystem::path& raw,
                                       const std::filesystem::path& out, const PrepareOptions& options,
                                       Progress& progress);

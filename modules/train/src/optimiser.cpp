@@ -16,7 +16,8 @@ struct Moments {
 
 double learning_rate_at(const StageOptions& o, std::int64_t step) {
   if (step < o.warm_up_steps)
-    return o.learning_rate * static_cast<double>(step + 1) / static_cast<double>(o.warm_up_steps);
+    return o.learning_rate * static_cast<double>(o.starts_at_zero ? step : step + 1) /
+           static_cast<double>(o.warm_up_steps);
   if (!o.falling_rate) return o.learning_rate;
   const double done = static_cast<double>(step - o.warm_up_steps) /
                       static_cast<double>(std::max<std::int64_t>(1, o.num_steps - o.warm_up_steps));
@@ -51,7 +52,7 @@ void adamw_step(const StageOptions& o, std::int64_t step, double rate,
       const double correction2 = 1 - std::pow(o.beta2, num_updates);
       m.mul_(o.beta1).add_(g, 1 - o.beta1);
       v.mul_(o.beta2).addcmul_(g, g, 1 - o.beta2);
-      if (p.dim() > 1 && o.weight_decay > 0) p.mul_(1 - rate * o.weight_decay);
+      if ((p.dim() > 1 || o.decays_vectors) && o.weight_decay > 0) p.mul_(1 - rate * o.weight_decay);
       p.addcdiv_(m, (v / correction2).sqrt_().add_(kEpsilon), -rate / correction1);
       p.mutable_grad().zero_();
     }
@@ -59,9 +60,12 @@ void adamw_step(const StageOptions& o, std::int64_t step, double rate,
   }
 }
 
+// What a checkpoint holds: the trained entries, what the optimiser keeps of each, and buffers.
 std::vector<Collect::Entry> state_entries(const std::vector<Collect::Entry>& entries,
-                                          std::vector<Moments>& moments) {
+                                          std::vector<Moments>& moments,
+                                          const std::vector<Collect::Entry>& buffers) {
   std::vector<Collect::Entry> all = entries;
+  all.insert(all.end(), buffers.begin(), buffers.end());
   for (std::size_t i = 0; i < entries.size(); ++i) {
     all.push_back({"first." + entries[i].name, &moments[i].first, false});
     all.push_back({"second." + entries[i].name, &moments[i].second, false});
@@ -85,8 +89,11 @@ Metadata checkpoint_metadata(std::int64_t step, const std::vector<Collect::Entry
 
 // Fills the state and returns its step.
 Result<std::int64_t> load_checkpoint(const std::vector<Collect::Entry>& entries,
-                                     std::vector<Moments>& moments, const SafetensorsFile& file) {
-  MIEN_TRY([[maybe_unused]] const auto loaded, load_parameters(state_entries(entries, moments), file));
+                                     std::vector<Moments>& moments,
+                                     const std::vector<Collect::Entry>& buffers,
+                                     const SafetensorsFile& file) {
+  MIEN_TRY([[maybe_unused]] const auto loaded,
+           load_parameters(state_entries(entries, moments, buffers), file));
   const auto number = [&](const std::string& key) -> std::optional<std::int64_t> {
     const auto found = file.metadata().find(key);
     return found == file.metadata().end() ? std::nullopt : parse_int(found->second);
@@ -115,6 +122,13 @@ std::vector<Collect::Entry> trained(const std::vector<Collect::Entry>& entries) 
   return out;
 }
 
+std::vector<Collect::Entry> not_trained(const std::vector<Collect::Entry>& entries) {
+  std::vector<Collect::Entry> out;
+  for (const auto& e : entries)
+    if (!e.trained) out.push_back(e);
+  return out;
+}
+
 void deliver_average(const std::vector<Collect::Entry>& entries, const std::vector<Moments>& moments) {
   const torch::NoGradGuard no_grad;
   for (std::size_t i = 0; i < entries.size(); ++i) {
@@ -131,7 +145,9 @@ Result<std::int64_t> load_stage_average(const std::vector<Collect::Entry>& all_e
   MIEN_TRY(const auto file, SafetensorsFile::open(checkpoint));
   const bool has_average = !entries.empty() && file.find("average." + entries.front().name) != nullptr;
   auto moments = fresh_moments(entries, has_average);
-  MIEN_TRY(const auto step, load_checkpoint(entries, moments, file));
+  auto buffers = not_trained(all_entries);
+  std::erase_if(buffers, [&](const auto& e) { return file.find(e.name) == nullptr; });
+  MIEN_TRY(const auto step, load_checkpoint(entries, moments, buffers, file));
   deliver_average(entries, moments);
   return step;
 }
@@ -143,18 +159,19 @@ Status run_stage(const std::string& name, const std::vector<Collect::Entry>& all
   const auto entries = trained(all_entries);
   for (const auto& e : entries) e.slot->requires_grad_(true);
   auto moments = fresh_moments(entries, options.average_decay > 0);
+  const auto buffers = options.keeps_buffers ? not_trained(all_entries) : std::vector<Collect::Entry>();
 
   std::int64_t step = 0;
   if (std::filesystem::exists(checkpoint)) {
     MIEN_TRY(const auto file, SafetensorsFile::open(checkpoint));
-    MIEN_TRY(step, load_checkpoint(entries, moments, file));
+    MIEN_TRY(step, load_checkpoint(entries, moments, buffers, file));
     // As after a step: momentum goes on moving what the next loss does not depend on.
     for (std::size_t i = 0; i < entries.size(); ++i)
       if (moments[i].first_step >= 0)
         entries[i].slot->mutable_grad() = torch::zeros_like(entries[i].slot->detach());
   }
   const auto save = [&] {
-    return save_parameters(state_entries(entries, moments), checkpoint, false,
+    return save_parameters(state_entries(entries, moments, buffers), checkpoint, false,
                            checkpoint_metadata(step, entries, moments));
   };
 

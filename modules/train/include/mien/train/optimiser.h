@@ -19,11 +19,16 @@ struct StageOptions {
   double learning_rate = 1e-3;  ///< after warm-up
   bool falling_rate = true;     ///< along a cosine to 1 % at the last step; else the rate stays
   std::int64_t warm_up_steps = 100;
+  bool starts_at_zero = false;  ///< warm-up: step s of S has the share s / S of the rate; else (s + 1) / S
   double beta1 = 0.9, beta2 = 0.98;
-  double weight_decay = 0.02;  ///< decoupled (AdamW, Loshchilov and Hutter 2019); matrices only
-  double clip_norm = 1.0;      ///< of the gradient of all parameters together; 0: not clipped
+  double weight_decay = 0.02;   ///< decoupled (AdamW, Loshchilov and Hutter 2019); matrices only
+  bool decays_vectors = false;  ///< norms and biases, too
+  double clip_norm = 1.0;       ///< of the gradient of all parameters together; 0: not clipped
   /// Of the exponential average of the weights, which is what a stage delivers; 0: it delivers the weights.
   double average_decay = 0.999;
+  /// The loss itself changes parameters that are not trained (running statistics of batch norms): they belong
+  /// to the checkpoint.
+  bool keeps_buffers = false;
   std::int64_t checkpoint_every = 500;
 
   /// Adam (Kingma and Ba 2015) at one rate, and nothing else: how the published systems were trained.
@@ -36,6 +41,21 @@ struct StageOptions {
             .weight_decay = 0,
             .clip_norm = 0,
             .average_decay = 0};
+  }
+  /// AdamW with PyTorch's defaults, a warm-up from zero and an average of the weights: how SAiD's authors
+  /// train (specification of SAiD, sections 7.3 and 7.5).
+  static StageOptions warm_adamw(std::int64_t num_steps, double rate, std::int64_t warm_up_steps,
+                                 double average_decay) {
+    return {.num_steps = num_steps,
+            .learning_rate = rate,
+            .falling_rate = false,
+            .warm_up_steps = warm_up_steps,
+            .starts_at_zero = true,
+            .beta2 = 0.999,
+            .weight_decay = 0.01,
+            .decays_vectors = true,
+            .clip_norm = 1.0,
+            .average_decay = average_decay};
   }
 };
 

@@ -59,6 +59,18 @@ Tensor Operations<Tensor>::attention(const Tensor& q, const Tensor& k, const Ten
   return out;
 }
 
+Tensor Operations<Tensor>::attention_within(const Tensor& q, const Tensor& k, const Tensor& v,
+                                            std::int64_t heads, std::span<const KeyRange> ranges) {
+  Tensor out = Tensor::uninitialized(q.shape());
+  mien::attention_within(q.view(), k.view(), v.view(), heads, ranges, out.data());
+  return out;
+}
+
+Tensor Operations<Tensor>::given_rows(const Tensor&, std::span<const float> values, std::int64_t width) {
+  contract(static_cast<std::int64_t>(values.size()) == width, "given_rows: the runtime has no batches");
+  return Tensor({1, width}, values);
+}
+
 Tensor Operations<Tensor>::zero_after(Tensor x, std::span<const std::int64_t> valid) {
   contract(valid.size() <= 1, "zero_after: the runtime has no batches");
   for (std::int64_t r = valid.empty() ? x.num_rows() : std::max<std::int64_t>(valid[0], 0); r < x.num_rows();

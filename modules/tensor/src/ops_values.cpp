@@ -71,23 +71,27 @@ Tensor layer_norm(Tensor x, const Tensor& gamma, const Tensor& beta, double eps)
   return x;
 }
 
-Tensor norm_over_rows(Tensor x, const Tensor& gamma, const Tensor& beta, double eps) {
+Tensor group_norm(Tensor x, const Tensor& gamma, const Tensor& beta, std::int64_t groups, double eps) {
   const std::int64_t width = x.width(), num_rows = x.num_rows();
-  require(gamma.count() == width && beta.count() == width, [&] {
-    return "norm_over_rows: gamma " + shape_text(gamma.shape()) + " and beta " + shape_text(beta.shape()) +
-           " must have the width of " + shape_text(x.shape());
+  require(gamma.count() == width && beta.count() == width && groups >= 1 && width % groups == 0, [&] {
+    return "group_norm: gamma " + shape_text(gamma.shape()) + ", beta " + shape_text(beta.shape()) + " and " +
+           std::to_string(groups) + " groups do not fit " + shape_text(x.shape());
   });
-  std::vector<double> mean(static_cast<std::size_t>(width)), variance(mean);
+  const std::int64_t size = width / groups;  // channels of a group
+  const double count = static_cast<double>(num_rows) * static_cast<double>(size);
+  std::vector<double> mean(static_cast<std::size_t>(groups)), factor(mean);
   const auto each = [&](auto&& use) {
+    float* value = x.data();
     for (std::int64_t r = 0; r < num_rows; ++r)
-      for (std::int64_t i = 0; i < width; ++i) use(static_cast<std::size_t>(i), x.data()[r * width + i]);
+      for (std::int64_t g = 0, i = 0; g < groups; ++g)
+        for (std::int64_t end = i + size; i < end; ++i) use(static_cast<std::size_t>(g), i, *value++);
   };
-  each([&](std::size_t i, float v) { mean[i] += v; });
-  for (double& m : mean) m /= static_cast<double>(num_rows);
-  each([&](std::size_t i, float v) { variance[i] += (v - mean[i]) * (v - mean[i]); });
-  for (double& v : variance) v = 1.0 / std::sqrt(v / static_cast<double>(num_rows) + eps);
-  each([&](std::size_t i, float& v) {
-    v = static_cast<float>((v - mean[i]) * variance[i]) * gamma.data()[i] + beta.data()[i];
+  each([&](std::size_t g, std::int64_t, float v) { mean[g] += v; });
+  for (double& m : mean) m /= count;
+  each([&](std::size_t g, std::int64_t, float v) { factor[g] += (v - mean[g]) * (v - mean[g]); });
+  for (double& f : factor) f = 1.0 / std::sqrt(f / count + eps);
+  each([&](std::size_t g, std::int64_t i, float& v) {
+    v = static_cast<float>((v - mean[g]) * factor[g]) * gamma.data()[i] + beta.data()[i];
   });
   return x;
 }

@@ -87,9 +87,27 @@ TEST(WeightNorm, GivesEveryTapItsLength) {
   EXPECT_THROW((void)weight_norm_taps(v, noise({4}, 2)), std::logic_error);
 }
 
-TEST(NormOverRows, HasMeanBetaAndDeviationGamma) {
+TEST(GroupNorm, HasMeanBetaAndDeviationGammaOverChannelsAndRows) {
+  const Tensor x = noise({20, 6}, 4), gamma = noise({6}, 5), beta = noise({6}, 6);
+  const Tensor y = group_norm(x, gamma, beta, 2, 1e-3);
+  for (std::size_t g = 0; g < 2; ++g) {
+    double mean = 0, variance = 0;
+    for (std::int64_t n = 0; n < 20; ++n)
+      for (std::size_t i = 3 * g; i < 3 * g + 3; ++i) mean += x.row(n)[i] / 60.0;
+    for (std::int64_t n = 0; n < 20; ++n)
+      for (std::size_t i = 3 * g; i < 3 * g + 3; ++i) variance += std::pow(x.row(n)[i] - mean, 2) / 60.0;
+    for (std::int64_t n = 0; n < 20; ++n)
+      for (std::size_t i = 3 * g; i < 3 * g + 3; ++i)
+        EXPECT_NEAR(y.row(n)[i],
+                    (x.row(n)[i] - mean) / std::sqrt(variance + 1e-3) * gamma.values()[i] + beta.values()[i],
+                    1e-5);
+  }
+  EXPECT_THROW((void)group_norm(x, gamma, beta, 4), std::logic_error);
+}
+
+TEST(GroupNorm, OfSingleChannelsNormsEachOverTime) {
   const Tensor gamma({2}, std::vector<float>{2, -1}), beta({2}, std::vector<float>{0.5f, 3});
-  const Tensor y = norm_over_rows(noise({50, 2}, 1), gamma, beta, 0.0);
+  const Tensor y = group_norm(noise({50, 2}, 1), gamma, beta, 2, 0.0);
   for (std::size_t c = 0; c < 2; ++c) {
     double sum = 0, squares = 0;
     for (std::int64_t n = 0; n < 50; ++n) sum += y.row(n)[c];
@@ -98,8 +116,27 @@ TEST(NormOverRows, HasMeanBetaAndDeviationGamma) {
     EXPECT_NEAR(std::sqrt(squares / 50), std::abs(gamma.values()[c]), 1e-6);
   }
   // One row is its own mean, and so is a constant: only beta is left.
-  EXPECT_THAT(norm_over_rows(noise({1, 2}, 1), gamma, beta).values(), testing::ElementsAre(0.5f, 3.0f));
-  EXPECT_EQ(norm_over_rows(Tensor({0, 2}), gamma, beta).num_rows(), 0);
+  EXPECT_THAT(group_norm(noise({1, 2}, 1), gamma, beta, 2).values(), testing::ElementsAre(0.5f, 3.0f));
+  EXPECT_EQ(group_norm(Tensor({0, 2}), gamma, beta, 2).num_rows(), 0);
+}
+
+TEST(AttentionWithin, EqualsAttentionOnTheKeysOfTheRange) {
+  const Tensor q = noise({9, 8}, 1), k = noise({5, 8}, 2), v = noise({5, 8}, 3);
+  std::vector<KeyRange> ranges;
+  for (std::int64_t n = 0; n < 9; ++n) ranges.push_back({n / 3, n / 3 + 1 + n % 3});
+  Tensor out = Tensor::uninitialized({9, 8}), alone = Tensor::uninitialized({1, 8});
+  attention_within(q.view(), k.view(), v.view(), 2, ranges, out.data());
+  for (std::int64_t n = 0; n < 9; ++n) {
+    const auto [first, end] = ranges[static_cast<std::size_t>(n)];
+    const Tensor query = rows(q, n, 1), keys = rows(k, first, end - first),
+                 values = rows(v, first, end - first);
+    attention({query.view(), keys.view(), values.view(), 2}, alone.data());
+    for (std::size_t i = 0; i < 8; ++i) EXPECT_NEAR(out.row(n)[i], alone.row(0)[i], 1e-6) << n;
+  }
+  ranges[4] = {3, 3};
+  EXPECT_THROW(attention_within(q.view(), k.view(), v.view(), 2, ranges, out.data()), std::logic_error);
+  ranges[4] = {3, 6};
+  EXPECT_THROW(attention_within(q.view(), k.view(), v.view(), 2, ranges, out.data()), std::logic_error);
 }
 
 class Attention : public testing::TestWithParam<std::pair<std::int64_t, std::int64_t>> {};

@@ -16,6 +16,7 @@ torch::Tensor initial(const std::string& name, const Shape& shape, Init init, st
       return torch::ones(shape);
     case Init::fan_in:
     case Init::normal:
+    case Init::unit_normal:
       break;
   }
   torch::Tensor values = torch::empty(shape);
@@ -23,7 +24,9 @@ torch::Tensor initial(const std::string& name, const Shape& shape, Init init, st
   const double bound = 1.0 / std::sqrt(static_cast<double>(fan_in));
   float* p = values.data_ptr<float>();
   for (std::int64_t i = 0; i < values.numel(); ++i)
-    p[i] = static_cast<float>(init == Init::normal ? rng.normal(0, 0.02) : rng.uniform(-bound, bound));
+    p[i] = static_cast<float>(init == Init::normal        ? rng.normal(0, 0.02)
+                              : init == Init::unit_normal ? rng.normal()
+                                                          : rng.uniform(-bound, bound));
   return values;
 }
 

@@ -14,15 +14,53 @@ template <class T>
 struct Linear {
   std::int64_t in = 0, out = 0;
   Init init = Init::fan_in;
+  bool has_bias = true;
   typename Operations<T>::Matrix weight{};
   T bias{};
 
   template <class V>
   void visit(V& v) {
     v.matrix("weight", weight, out, in, init);
-    v.tensor("bias", bias, Shape{out}, init == Init::zero ? Init::zero : Init::fan_in);
+    if (has_bias) v.tensor("bias", bias, Shape{out}, init == Init::zero ? Init::zero : Init::fan_in);
   }
   T operator()(const T& x) const { return Operations<T>::linear(x, weight, bias); }
+};
+
+/// A convolution over time with zeros outside, so that the number of frames stays. x [.., N, in] -> [.., N,
+/// out]. @pre kernel is odd
+template <class T>
+struct Conv {
+  std::int64_t in = 0, out = 0, kernel = 1;
+  Init init = Init::fan_in;
+  typename Operations<T>::Matrix weight{};
+  T bias{};
+
+  template <class V>
+  void visit(V& v) {
+    v.convolution("weight", weight, out, in, kernel, init);
+    v.tensor("bias", bias, Shape{out}, init == Init::zero ? Init::zero : Init::fan_in);
+  }
+  T operator()(const T& x) const {
+    using B = Operations<T>;
+    if (kernel == 1) return B::conv(x, weight, bias, 1, 1);
+    const T zeros = B::zero_rows(x, kernel / 2, in);
+    return B::conv(B::concat_rows({zeros, x, zeros}), weight, bias, kernel, 1);
+  }
+};
+
+/// Normalises groups of neighbouring channels over all frames, then y = gamma x + beta by channel.
+template <class T>
+struct GroupNorm {
+  std::int64_t width = 0, groups = 1;
+  double eps = 1e-5;
+  T gamma{}, beta{};
+
+  template <class V>
+  void visit(V& v) {
+    v.tensor("weight", gamma, Shape{width}, Init::one);
+    v.tensor("bias", beta, Shape{width}, Init::zero);
+  }
+  T operator()(const T& x) const { return Operations<T>::group_norm(x, gamma, beta, groups, eps); }
 };
 
 /// Normalises each row over its channels, then y = gamma x + beta.
@@ -92,8 +130,7 @@ struct Gru {
     return (*this)(x, states, [](T y) { return y; });
   }
   template <class Between>
-    requires std::is_invocable_r_v<T, Between, T>
-  T operator()(const T& x, Between&& between) const {
+  requires std::is_invocable_r_v<T, Between, T> T operator()(const T& x, Between&& between) const {
     std::vector<T> states;
     return (*this)(x, states, between);
   }

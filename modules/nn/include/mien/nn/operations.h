@@ -18,10 +18,13 @@ namespace mien {
 ///                                      groups, kernel] is a tensor
 ///   weight_norm(v, g)                  g[k] v[o, i, k] / |v[:, :, k]|
 ///   layer_norm(x, gamma, beta, eps)    over the last axis, population variance; eps 1e-5 unless given
-///   norm_over_time(x, gamma, beta, eps)
-///                                      each channel over all its rows
+///   group_norm(x, gamma, beta, groups, eps)
+///                                      groups of neighbouring channels over all their rows; as many groups
+///                                      as channels norm each channel over time
 ///   attention(q, k, v, heads, valid)   softmax(q k^T) v by heads, q already scaled; keys from
 ///                                      valid[batch] on are not seen (empty: all are)
+///   attention_within(q, k, v, heads, ranges)
+///                                      the same where query n sees the keys ranges[n] (KeyRange) alone
 ///   gelu(x) silu(x) sigmoid(x) tanh(x) elementwise; gelu in its exact (erf) form
 ///   relu(x) mish(x)                    elementwise
 ///   gru(x, state, w_ih, w_hh, b_ih, b_hh)  a GRU layer over time, gates r, z, n: x [.., N, in], state [..,
@@ -33,6 +36,7 @@ namespace mien {
 ///   interpolate_rows(x, positions)     linear in time between neighbouring rows -> [.., positions, D]
 ///   one_hot(x, index, width)           a row [.., 1, width] for the batch of x: one at index, else zero
 ///   table_row(table, index)            row of a buffer [entries, 1, width] -> [1, width]
+///   given_rows(x, values, width)       numbers as rows [.., 1, width]: one row, or one for each batch of x
 ///   add(x, y) mul(x, y)                elementwise; y may be one row [1, D] for every row of x
 ///   add_one(x) scale(x, s)             x + 1, s x
 ///   num_rows(x)                        N

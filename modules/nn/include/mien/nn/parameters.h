@@ -11,7 +11,8 @@ enum class Init {
   fan_in,  ///< uniform in +- 1/sqrt(inputs)
   zero,
   one,
-  normal,  ///< N(0, 0.02), for embedding tables
+  normal,       ///< N(0, 0.02), for embedding tables
+  unit_normal,  ///< N(0, 1)
 };
 
 /// Every network has one `visit(v)`, which names its parameters. Loading, saving, initialising, optimising

@@ -28,12 +28,15 @@ struct Operations<Tensor> {
   static Tensor layer_norm(Tensor x, const Tensor& gamma, const Tensor& beta, double eps = 1e-5) {
     return mien::layer_norm(std::move(x), gamma, beta, eps);
   }
-  static Tensor norm_over_time(Tensor x, const Tensor& gamma, const Tensor& beta, double eps) {
-    return norm_over_rows(std::move(x), gamma, beta, eps);
+  static Tensor group_norm(Tensor x, const Tensor& gamma, const Tensor& beta, std::int64_t groups,
+                           double eps) {
+    return mien::group_norm(std::move(x), gamma, beta, groups, eps);
   }
   /// One batch: `valid` has at most one entry.
   static Tensor attention(const Tensor& q, const Tensor& k, const Tensor& v, std::int64_t heads,
                           std::span<const std::int64_t> valid);
+  static Tensor attention_within(const Tensor& q, const Tensor& k, const Tensor& v, std::int64_t heads,
+                                 std::span<const KeyRange> ranges);
   static Tensor gelu(Tensor x) { return mien::gelu(std::move(x)); }
   static Tensor silu(Tensor x) { return mien::silu(std::move(x)); }
   static Tensor sigmoid(Tensor x) { return mien::sigmoid(std::move(x)); }
@@ -52,6 +55,7 @@ struct Operations<Tensor> {
   }
   static Tensor one_hot(const Tensor& x, std::int64_t index, std::int64_t width);
   static Tensor table_row(const Tensor& table, std::int64_t index);
+  static Tensor given_rows(const Tensor& x, std::span<const float> values, std::int64_t width);
   static Tensor add(Tensor x, const Tensor& y);
   static Tensor mul(Tensor x, const Tensor& y);
   static Tensor add_one(Tensor x);

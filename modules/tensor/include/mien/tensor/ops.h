@@ -3,6 +3,7 @@
 #include <span>
 #include <vector>
 
+#include "mien/tensor/key_range.h"
 #include "mien/tensor/matmul.h"
 #include "mien/tensor/tensor.h"
 
@@ -60,6 +61,11 @@ struct AttentionInputs {
 /// whole.
 /// @param out  [N, heads * d], rows side by side. @pre T > 0 and valid != 0 unless N == 0
 void attention(const AttentionInputs& in, float* out, int num_threads = 1);
+/// The same where query n sees the keys ranges[n] only; nothing is computed for the others.
+/// @param q  [N, heads * d], already scaled;  k, v  [T, heads * d];  out  [N, heads * d]
+/// @pre N ranges, each of at least one key
+void attention_within(const View& q, const View& k, const View& v, std::int64_t heads,
+                      std::span<const KeyRange> ranges, float* out);
 
 /// x [N, D] -> [N - (kernel - 1) * dilation, kernel * D]: row n holds rows n, n + dilation, ... of x, oldest
 /// first.
@@ -98,9 +104,9 @@ Tensor mul(Tensor a, const Tensor& b);
 /// (x - mean) / sqrt(variance + eps) * gamma + beta over the last axis, biased variance, sums in double.
 /// @param gamma, beta  [D]
 Tensor layer_norm(Tensor x, const Tensor& gamma, const Tensor& beta, double eps = 1e-5);
-/// The same over time: each channel of x [N, D] over its N values. What a group norm with as many groups as
-/// channels is.
-Tensor norm_over_rows(Tensor x, const Tensor& gamma, const Tensor& beta, double eps = 1e-5);
+/// The same over rows and groups of neighbouring channels: x [N, D] over the N D / groups values of a group.
+/// @param gamma, beta  [D]. @pre groups divides D
+Tensor group_norm(Tensor x, const Tensor& gamma, const Tensor& beta, std::int64_t groups, double eps = 1e-5);
 /// exp(x - max) / sum over the last axis. A row of minus infinities gives NaN.
 Tensor softmax_last(Tensor x);
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "mien/nn/operations.h"
+#include "mien/tensor/key_range.h"
 
 namespace mien {
 
@@ -37,12 +38,23 @@ struct Operations<torch::Tensor> {
   static T layer_norm(const T& x, const T& gamma, const T& beta, double eps = 1e-5) {
     return torch::layer_norm(x, {x.size(-1)}, gamma, beta, eps);
   }
-  static T norm_over_time(const T& x, const T& gamma, const T& beta, double eps) {
-    return torch::group_norm(x.transpose(-1, -2), x.size(-1), gamma, beta, eps).transpose(-1, -2);
+  static T group_norm(const T& x, const T& gamma, const T& beta, std::int64_t groups, double eps) {
+    return torch::group_norm(x.transpose(-1, -2), groups, gamma, beta, eps).transpose(-1, -2);
   }
   static T attention(const T& q, const T& k, const T& v, std::int64_t heads,
                      std::span<const std::int64_t> valid) {
     return attend(attention_weights(q, k, heads, valid), v);
+  }
+  static T attention_within(const T& q, const T& k, const T& v, std::int64_t heads,
+                            std::span<const KeyRange> ranges) {
+    T hidden = torch::ones({q.size(-2), k.size(-2)}, torch::kBool);
+    for (std::int64_t n = 0; n < q.size(-2); ++n) {
+      const auto [first, end] = ranges[static_cast<std::size_t>(n)];
+      hidden.select(0, n).narrow(0, first, end - first).fill_(false);
+    }
+    const T scores = torch::matmul(by_heads(q, heads), by_heads(k, heads).transpose(-1, -2));
+    const float least = -std::numeric_limits<float>::infinity();
+    return attend(torch::softmax(scores.masked_fill(hidden.to(q.device()), least), -1), v);
   }
   /// The two halves of attention(), for training, which drops some of the weights [batch, heads, N, T]
   /// between them.
@@ -112,6 +124,11 @@ struct Operations<torch::Tensor> {
   }
   static T table_row(const T& table, std::int64_t index) {
     return table.reshape({-1, table.size(-1)}).narrow(0, index, 1);
+  }
+  static T given_rows(const T& x, std::span<const float> values, std::int64_t width) {
+    return torch::tensor(std::vector<float>(values.begin(), values.end()))
+        .to(x.options().requires_grad(false))
+        .reshape({-1, 1, width});
   }
   static T add(const T& x, const T& y) { return x + y; }
   static T mul(const T& x, const T& y) { return x * y; }

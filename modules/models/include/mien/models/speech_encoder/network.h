@@ -67,7 +67,7 @@ struct EncoderConvLayer {
   T operator()(const T& x) const {
     using B = Operations<T>;
     T y = B::conv(x, weight, bias, kernel, stride);
-    if (norm == Norm::group) y = B::norm_over_time(std::move(y), norm_weight, norm_bias, kConvNormEps);
+    if (norm == Norm::group) y = B::group_norm(std::move(y), norm_weight, norm_bias, out, kConvNormEps);
     if (norm == Norm::layer) y = B::layer_norm(std::move(y), norm_weight, norm_bias, kConvNormEps);
     return B::gelu(std::move(y));
   }

@@ -1,0 +1,18 @@
+#pragma once
+#include <string>
+
+#include "fixture.h"
+
+namespace mien::parity {
+
+/// How a suite that is written once reaches a tensor library T. A program that runs the suites specialises it
+/// for its own library:
+///
+///   T given(const mien::Tensor& x)         recorded values [N, D] as the networks of T read them
+///   mien::Tensor values(const T& x)        and back, [N, D], to compare
+///   Network load(weights, network, prefix) fills a network from the recorded tensors whose names begin with
+///                                          the prefix; throws when one is missing or left over
+template <class T>
+struct Backend;
+
+}  // namespace mien::parity

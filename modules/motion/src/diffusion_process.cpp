@@ -49,6 +49,17 @@ DiffusionProcess::DiffusionProcess(std::vector<double> betas) : betas_(std::move
   }
 }
 
+DiffusionProcess DiffusionProcess::in_float32(std::span<const double> betas) {
+  std::vector<double> rounded;
+  for (const double beta : betas) {
+    const float alpha = 1.0f - static_cast<float>(beta);
+    rounded.push_back(1 - static_cast<double>(alpha));  // exact
+  }
+  DiffusionProcess out(std::move(rounded));
+  for (double& alpha_bar : out.alpha_bars_) alpha_bar = static_cast<double>(static_cast<float>(alpha_bar));
+  return out;
+}
+
 DiffusionProcess DiffusionProcess::respaced(std::span<const std::int64_t> kept) const {
   std::vector<double> betas;
   std::vector<std::int64_t> network_steps;

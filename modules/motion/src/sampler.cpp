@@ -15,6 +15,14 @@ void combine(std::span<float> x, double a, std::span<const float> y, double b) {
     x[i] = static_cast<float>(a * static_cast<double>(x[i]) + b * static_cast<double>(y[i]));
 }
 
+// x0 of a kept epsilon: the direction is the network's own.
+SampleStep with_kept_epsilon(SampleStep step, NoiseLevel to) {
+  step.epsilon = step.x * step.level.sigma;
+  step.x0 = to.alpha;
+  step.x = 0;
+  return step;
+}
+
 // DDIM (Song et al. 2021, equation 12) written in x0: x_next = alpha' x0 + sqrt(sigma'^2 - s^2) epsilon + s
 // z, where epsilon = (x - alpha x0) / sigma and s = eta sigma'/sigma sqrt(1 - alpha^2/alpha'^2). eta = 1 is
 // the ancestral step with the posterior's own variance.
@@ -35,10 +43,34 @@ std::optional<SamplerKind> parse_sampler(std::string_view name) {
 }
 
 void SampleStep::apply(std::span<float> x_t, std::span<const float> estimate, std::span<const float> last,
-                       std::span<const float> z) const {
+                       std::span<const float> z, std::span<const float> epsilon_estimate) const {
   combine(x_t, x, estimate, x0);
   if (previous_x0 != 0) combine(x_t, 1, last, previous_x0);
+  if (epsilon != 0) combine(x_t, 1, epsilon_estimate, epsilon);
   if (noise > 0) combine(x_t, 1, z, noise);
+}
+
+void to_x0(Prediction prediction, NoiseLevel level, std::span<const float> x_t, std::span<float> estimate,
+           std::span<float> epsilon) {
+  if (prediction == Prediction::x0 && epsilon.empty()) return;
+  for (std::size_t i = 0; i < x_t.size(); ++i) {
+    const double x = x_t[i], said = estimate[i];
+    double x0 = said, noise = said;
+    switch (prediction) {
+      case Prediction::x0:
+        noise = (x - level.alpha * said) / level.sigma;
+        break;
+      case Prediction::epsilon:
+        x0 = (x - level.sigma * said) / level.alpha;
+        break;
+      case Prediction::velocity:
+        x0 = level.alpha * x - level.sigma * said;
+        noise = level.alpha * said + level.sigma * x;
+        break;
+    }
+    estimate[i] = static_cast<float>(x0);
+    if (!epsilon.empty()) epsilon[i] = static_cast<float>(noise);
+  }
 }
 
 std::vector<SampleStep> plan_sampling(const SamplerOptions& options, std::span<const NoiseLevel> levels) {
@@ -61,23 +93,29 @@ std::vector<SampleStep> plan_sampling(const SamplerOptions& options, std::span<c
                        .previous_x0 = -weight * slope});
       previous_h = h;
     } else {
-      steps.push_back(ddim_step(from, to, options.kind == SamplerKind::ancestral ? 1.0 : options.eta));
+      const bool is_ancestral = options.kind == SamplerKind::ancestral;
+      const SampleStep step = ddim_step(from, to, is_ancestral ? 1.0 : options.eta);
+      steps.push_back(options.keeps_epsilon && !is_ancestral ? with_kept_epsilon(step, to) : step);
     }
   }
   return steps;
 }
 
 void sample_diffusion(const SamplerOptions& options, std::span<const NoiseLevel> levels,
-                      const Denoiser& denoise, const StepNoise& noise, std::span<float> x) {
+                      const Denoiser& denoise, const StepNoise& noise, std::span<float> x,
+                      const StepEdit& edit) {
   std::vector<float> x0(x.size()), last(x.size()), z(x.size());
+  std::vector<float> epsilon(options.keeps_epsilon ? x.size() : 0);
   const std::vector<SampleStep> steps = plan_sampling(options, levels);
   for (std::size_t i = 0; i < steps.size(); ++i) {
     const SampleStep& step = steps[i];
     denoise(static_cast<int>(i), step.level, x, x0);
+    to_x0(options.prediction, step.level, x, x0, epsilon);
     if (options.clip_x0)
       for (float& v : x0) v = std::clamp(v, options.clip_x0->low, options.clip_x0->high);
     if (step.noise > 0) noise(static_cast<int>(i), z);
-    step.apply(x, x0, last, z);
+    step.apply(x, x0, last, z, epsilon);
+    if (edit) edit(static_cast<int>(i), levels[i + 1], x);
     std::swap(x0, last);
   }
 }

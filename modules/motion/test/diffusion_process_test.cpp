@@ -27,6 +27,16 @@ TEST(DiffusionProcess, LevelsMultiplyUp) {
   EXPECT_THROW(DiffusionProcess({1.0}), std::logic_error);
 }
 
+TEST(DiffusionProcess, InFloat32HasOnlyFloats) {
+  const auto betas = betas_of(BetaSchedule::cosine, 1000);
+  const auto process = DiffusionProcess::in_float32(betas);
+  double product = 1;
+  for (std::int64_t i = 0; i < 1000; ++i) {
+    product *= static_cast<double>(1.0f - static_cast<float>(betas[static_cast<std::size_t>(i)]));
+    EXPECT_EQ(process.alpha_bar(i), static_cast<double>(static_cast<float>(product)));
+  }
+}
+
 TEST(DiffusionProcess, RespacedKeepsLevelsAndNetworkSteps) {
   const DiffusionProcess process(betas_of(BetaSchedule::linear, 100));
   const std::vector<std::int64_t> kept = {0, 30, 99};

@@ -76,6 +76,70 @@ TEST(Sampler, SecondOrderConvergesFasterThanDdim) {
             0.5 * std::abs(run(SamplerKind::ddim, 16) - exact));
 }
 
+// A network may tell x0, the noise or the velocity: the walk is the same.
+TEST(Sampler, TakesEveryPrediction) {
+  const auto run = [](SamplerKind kind, Prediction prediction) {
+    const Denoiser best = [&](int, NoiseLevel l, std::span<const float> x, std::span<float> out) {
+      for (std::size_t i = 0; i < x.size(); ++i) {
+        const double x0 = 0.3 * l.alpha * x[i] / (0.3 * l.alpha * l.alpha + l.sigma * l.sigma);
+        const double epsilon = (x[i] - l.alpha * x0) / l.sigma;
+        out[i] = static_cast<float>(prediction == Prediction::x0        ? x0
+                                    : prediction == Prediction::epsilon ? epsilon
+                                                                        : l.alpha * epsilon - l.sigma * x0);
+      }
+    };
+    const NoiseField field(5, 0);
+    std::vector<float> x(50);
+    field.normal(0, 0, x);
+    const StepNoise noise = [&](int step, std::span<float> out) {
+      field.normal(0, static_cast<unsigned>(step) + 1, out);
+    };
+    sample_diffusion({.kind = kind, .eta = 0.5, .prediction = prediction}, cosine_grid(12, 1.0), best, noise,
+                     x);
+    return x;
+  };
+  for (const auto kind : {SamplerKind::ancestral, SamplerKind::ddim, SamplerKind::dpmpp_2m}) {
+    const auto want = run(kind, Prediction::x0);
+    for (const auto prediction : {Prediction::epsilon, Prediction::velocity}) {
+      const auto got = run(kind, prediction);
+      for (std::size_t i = 0; i < want.size(); ++i) EXPECT_NEAR(got[i], want[i], 2e-5) << i;
+    }
+  }
+}
+
+// One step by hand (diffusers' DDIM): x0 is clipped, the noise it goes on with is not touched.
+TEST(Sampler, KeepsTheNetworksNoiseWhereX0IsClipped) {
+  const NoiseLevel from{0.6, 0.8}, to{0.8, 0.6};
+  const std::vector<NoiseLevel> levels = {from, to};
+  const Denoiser network = [](int, NoiseLevel, std::span<const float>, std::span<float> out) {
+    out[0] = -0.5f;
+  };
+  SamplerOptions options{.kind = SamplerKind::ddim, .prediction = Prediction::epsilon};
+  options.clip_x0 = {.low = -1, .high = 1};
+  options.keeps_epsilon = true;
+  std::vector<float> x = {1.0f};  // x0 = (1 + 0.4) / 0.6, clipped to 1
+  sample_diffusion(options, levels, network, nullptr, x);
+  EXPECT_NEAR(x[0], 0.8 * 1 + 0.6 * -0.5, 1e-6);
+  options.keeps_epsilon = false;  // the noise of x0 = 1 is (1 - 0.6) / 0.8 = 0.5
+  x = {1.0f};
+  sample_diffusion(options, levels, network, nullptr, x);
+  EXPECT_NEAR(x[0], 0.8 * 1 + 0.6 * 0.5, 1e-6);
+}
+
+TEST(Sampler, EditsAfterEveryStepAtTheLevelReached) {
+  const auto levels = cosine_grid(3, 1.0);
+  const Denoiser zero = [](int, NoiseLevel, std::span<const float>, std::span<float> x0) { x0[0] = 0; };
+  std::vector<double> reached;
+  std::vector<float> x = {1};
+  sample_diffusion({}, levels, zero, nullptr, x, [&](int step, NoiseLevel level, std::span<float> values) {
+    EXPECT_EQ(static_cast<std::size_t>(step), reached.size());
+    reached.push_back(level.sigma);
+    values[0] = static_cast<float>(step);
+  });
+  EXPECT_EQ(reached, (std::vector<double>{levels[1].sigma, levels[2].sigma, 0}));
+  EXPECT_EQ(x[0], 2) << "the last edit stands";
+}
+
 TEST(Sampler, EndsInTheLastEstimateAndChecksItsLevels) {
   const Denoiser constant = [](int, NoiseLevel, std::span<const float>, std::span<float> x0) {
     for (float& v : x0) v = 3;

@@ -34,6 +34,9 @@ class DiffusionProcess {
  public:
   /// The process of T steps itself.  @pre at least one beta, all in (0, 1)
   explicit DiffusionProcess(std::vector<double> betas);
+  /// The same as the diffusers library has it: betas and 1 - beta are float32, and every product of them is
+  /// rounded to float32 after it was accumulated in double.
+  static DiffusionProcess in_float32(std::span<const double> betas);
   /// The process on a subset of the steps of this one, so that its levels are theirs.
   /// @pre kept rises, is not empty and lies in 0 ... size() - 1
   [[nodiscard]] DiffusionProcess respaced(std::span<const std::int64_t> kept) const;

@@ -2,11 +2,13 @@
 #include "torch_backend.h"
 // Behind LibTorch's header, whose macros of that name would win.
 #include "said_network_suite.h"
+#include "said_sampling_suite.h"
 
 namespace mien::parity {
 namespace {
 
 INSTANTIATE_TYPED_TEST_SUITE_P(Torch, SaidNetwork, torch::Tensor);
+INSTANTIATE_TYPED_TEST_SUITE_P(Torch, SaidSampling, torch::Tensor);
 
 TEST(SaidTorch, ABatchWithItsOwnStepsGivesWhatEachItemGives) {
   if (!has_said("unet_forward.safetensors")) GTEST_SKIP() << "no recorded said in " << fixture_root();

@@ -9,6 +9,7 @@
 #include "mien/base/file.h"
 #include "mien/core/arkit.h"
 #include "mien/core/rig_controls.h"
+#include "mien/io/coefficient_csv.h"
 #include "mien/io/live_link_csv.h"
 #include "mien/io/metahuman_csv.h"
 #include "mien/io/motion_json.h"
@@ -140,6 +141,8 @@ Status write_motion(const std::filesystem::path& path, const Motion& motion, con
   const std::string extension = lower_extension(path);
   if (path.filename().string().ends_with(".metahuman.csv"))
     return write_text(path, [&](const TextSink& sink) { return write_metahuman_csv(motion, sink); });
+  if (path.filename().string().ends_with(".said.csv"))
+    return write_text(path, [&](const TextSink& sink) { return write_coefficient_csv(motion, sink); });
   if (extension == ".csv")
     return write_text(path, [&](const TextSink& sink) { return write_live_link_csv(motion, sink); });
   if (extension == ".json")

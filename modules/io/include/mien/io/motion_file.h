@@ -21,9 +21,9 @@ struct MotionContext {
 /// Extensions that write_motion() and read_motion() know: ".csv", ".glb", ".json", ".npy".
 std::span<const std::string_view> motion_extensions();
 
-/// Writes motion in the format of the extension: .csv Live Link Face (.metahuman.csv: FaceDiffuser's
-/// form of it), .json, .npy [N, C] float32, .glb the
-/// character of the context with the motion as animation. The file appears when it is complete. Warnings:
+/// Writes motion in the format of the extension: .csv Live Link Face (.metahuman.csv: FaceDiffuser's form of
+/// it; .said.csv: SAiD's 32 coefficients), .json, .npy [N, C] float32, .glb the character of the context with
+/// the motion as animation. The file appears when it is complete. Warnings:
 /// what the format could not hold. Errors: Errc::usage for an unknown extension or a .glb without character;
 /// else those of the format's writer.
 Status write_motion(const std::filesystem::path& path, const Motion& motion,

@@ -336,7 +336,6 @@ TEST_F(ImportParity, OtherSystemsAreRefusedByName) {
     EXPECT_EQ(model.error().code, Errc::incompatible);
     EXPECT_THAT(model.error().message(), HasSubstr(system));
   };
-  expect("said/tiny_checkpoint.pth", "holds SAiD");
   expect("probtalk3d/stage2_last.ckpt", "holds ProbTalk3D");
   expect("probtalk3d/facediffuser_emo_state_dict.pth", "emotional FaceDiffuser of ProbTalk3D");
 }

@@ -9,9 +9,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 constexpr const char* kKey = "mien.model";
-constexpr std::array<std::string_view, 7> kArchitectures = {
+constexpr std::array<std::string_view, 8> kArchitectures = {
     "default",           "speech_encoder",    "facexhubert", "facediffuser_v",
-    "facediffuser_beat", "facediffuser_damm", "said_vae"};
+    "facediffuser_beat", "facediffuser_damm", "said_vae", "said"};
 constexpr std::int64_t kMostChannels = 30'000'000, kMostSteps = 1'000'000;
 constexpr double kMostFps = 1000;
 

@@ -14,10 +14,19 @@ class RandomWeights : public ParameterVisitor<RandomWeights> {
  public:
   explicit RandomWeights(std::uint64_t seed) : seed_(seed) {}
   void matrix(std::string_view name, PackedMatrix& slot, std::int64_t out, std::int64_t in, Init) {
-    Tensor w = normal(name, {out, in});
-    const float size = 1.5f / std::sqrt(static_cast<float>(std::max<std::int64_t>(in, 1)));
-    for (float& v : w.values()) v *= size;
-    slot = PackedMatrix(w);
+    slot = PackedMatrix(weights(name, {out, in}, in));
+  }
+  void convolution(std::string_view name, PackedMatrix& slot, std::int64_t out, std::int64_t in,
+                   std::int64_t kernel, Init) {
+    slot = PackedMatrix(tap_major(weights(name, {out, in, kernel}, in * kernel)));
+  }
+  /// The same values for a network over PlainWeights.
+  void matrix(std::string_view name, Tensor& slot, std::int64_t out, std::int64_t in, Init) {
+    slot = weights(name, {out, in}, in);
+  }
+  void convolution(std::string_view name, Tensor& slot, std::int64_t out, std::int64_t in,
+                   std::int64_t kernel, Init) {
+    slot = weights(name, {out, in, kernel}, in * kernel);
   }
   void tensor(std::string_view name, Tensor& slot, const Shape& shape, Init init) {
     slot = normal(name, shape);
@@ -28,6 +37,12 @@ class RandomWeights : public ParameterVisitor<RandomWeights> {
   }
 
  private:
+  Tensor weights(std::string_view name, const Shape& shape, std::int64_t inputs) {
+    Tensor w = normal(name, shape);
+    const float size = 1.5f / std::sqrt(static_cast<float>(std::max<std::int64_t>(inputs, 1)));
+    for (float& v : w.values()) v *= size;
+    return w;
+  }
   Tensor normal(std::string_view name, const Shape& shape) {
     Tensor t(shape);
     NoiseField(hash64(full_name(name), seed_), 0).normal(0, 0, t.values());

@@ -10,6 +10,11 @@ void gelu_in_place(std::span<float> values) {
       values.data(), values.data(), static_cast<std::int64_t>(values.size()));
 }
 
+void silu_in_place(std::span<float> values) {
+  elementwise::best_kernels().unary[static_cast<int>(elementwise::Unary::silu)](
+      values.data(), values.data(), static_cast<std::int64_t>(values.size()));
+}
+
 void add_in_place(std::span<float> x, std::span<const float> y) {
   contract(x.size() == y.size(), "add_in_place: sizes differ");
   for (std::size_t i = 0; i < x.size(); ++i) x[i] += y[i];

@@ -22,6 +22,8 @@ constexpr double kSaidFps = 60;
 // and with 1e-7 from 4.11 on, which SAiD used for wav2vec 2.0.
 constexpr double kOldNormaliseEps = 1e-5, kNewNormaliseEps = 1e-7;
 
+constexpr std::int64_t kSaidShapes = 32;  // coefficients as published; others have no names
+
 std::string quoted(const fs::path& path) { return "'" + path.string() + "'"; }
 
 /// What goes into the model file: tensors by the weights that hold them.
@@ -88,14 +90,15 @@ Result<EncoderConfig> encoder_config(const ImportOptions& options, const FoundEn
                    "Give the folder with the encoder's config.json: --encoder FOLDER"};
     config = std::move(*told);
   }
-  config->normalise_eps = architecture == Architecture::speech_encoder && config->model_type == "wav2vec2"
-                              ? kNewNormaliseEps
-                              : kOldNormaliseEps;
+  if (architecture == Architecture::said) config->model_type = "wav2vec2";
+  const bool is_new = architecture == Architecture::said || architecture == Architecture::speech_encoder;
+  config->normalise_eps = is_new && config->model_type == "wav2vec2" ? kNewNormaliseEps : kOldNormaliseEps;
   return *config;
 }
 
 double known_fps(Architecture architecture, std::int64_t channels) {
   if (architecture == Architecture::facexhubert) return 25;
+  if (architecture == Architecture::said) return 60;
   if (architecture != Architecture::facediffuser_v) return 30;
   const auto topology = known_topology(channels / 3);
   return topology ? topology->fps : 0;
@@ -108,6 +111,7 @@ Status describe_motion(const ImportOptions& options, const SystemFacts& facts, P
   m.output.space = vertices                                            ? "vertices"
                    : m.architecture == Architecture::facediffuser_beat ? "arkit"
                                                                        : "rig";
+  if (m.architecture == Architecture::said) m.output.space = facts.channels == kSaidShapes ? "arkit" : "rig";
   m.output.channels = facts.channels;
   if (vertices && facts.channels % 3 != 0)
     return Error{Errc::incompatible, quoted(options.sources[0]),
@@ -115,6 +119,8 @@ Status describe_motion(const ImportOptions& options, const SystemFacts& facts, P
                  ""};
   if (vertices) m.output.topology = topology_of(facts.channels / 3).name;
   m.output.fps = options.fps.value_or(known_fps(m.architecture, facts.channels));
+  if (m.architecture == Architecture::said && m.output.fps != 60)
+    return Error{Errc::usage, "--fps", "is always 60 for SAiD: its frames are tied to the speech", ""};
   if (!(m.output.fps > 0))
     return Error{Errc::usage, "--fps",
                  "is needed: the frame rate of a mesh with " + std::to_string(facts.channels / 3) +

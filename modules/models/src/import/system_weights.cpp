@@ -5,6 +5,7 @@
 
 #include "mien/models/facediffuser/network.h"
 #include "mien/models/facexhubert/network.h"
+#include "mien/models/said/network.h"
 #include "mien/models/said/vae.h"
 #include "mien/nn/runtime_operations.h"
 
@@ -34,6 +35,7 @@ std::optional<Architecture> recognise(const Shapes& shapes) {
   if (has("rnn.weight_ih_l0") && has("out.weight") && has("embed_timestep.time_embed.0.weight"))
     return Architecture::facediffuser_damm;
   if (has("encoder.conv_layers.0.weight") && has("encoder.fc_mu.weight")) return Architecture::said_vae;
+  if (has("null_cond_emb") && has("denoiser.model.input_blocks.0.0.weight")) return Architecture::said;
   return std::nullopt;
 }
 
@@ -42,7 +44,6 @@ std::optional<std::string> other_system(const Shapes& shapes) {
   const auto any = [&](std::string_view start) {
     return std::ranges::any_of(shapes, [&](const auto& entry) { return entry.first.starts_with(start); });
   };
-  if (any("denoiser.model.")) return "SAiD";
   if (any("motion_prior.")) return "ProbTalk3D";
   const auto style = shapes.find("obj_vector.weight");
   if (style != shapes.end() && style->second.size() == 2 && style->second[1] == kEmotionalStyle &&
@@ -78,14 +79,15 @@ Result<FoundSystem> find_system(const WeightsSource& weights, const std::optiona
   if (!wanted.empty()) {
     for (const auto architecture :
          {Architecture::speech_encoder, Architecture::facexhubert, Architecture::facediffuser_v,
-          Architecture::facediffuser_beat, Architecture::facediffuser_damm, Architecture::said_vae})
+          Architecture::facediffuser_beat, Architecture::facediffuser_damm, Architecture::said_vae,
+          Architecture::said})
       if (wanted == architecture_name(architecture)) {
         found.architecture = architecture;
         return found;
       }
     return Error{Errc::usage, "--system", "'" + wanted + "' is not known",
                  "Known: speech_encoder, facexhubert, facediffuser_v, facediffuser_beat, facediffuser_damm, "
-                 "said_vae"};
+                 "said_vae, said"};
   }
   if (const auto other = other_system(shapes))
     return Error{Errc::incompatible, file, "holds " + *other + ", which this version does not import",
@@ -98,7 +100,7 @@ Result<FoundSystem> find_system(const WeightsSource& weights, const std::optiona
       names += (i == 0 ? "'" : ", '") + weights.tensors()[i].name + "'";
     return Error{Errc::incompatible, file,
                  "holds no network that Mien knows; its tensors are " + names + " ...",
-                 "Mien imports HuBERT, wav2vec 2.0, FaceXHuBERT, FaceDiffuser and SAiD's motion codec "
+                 "Mien imports HuBERT, wav2vec 2.0, FaceXHuBERT, FaceDiffuser, SAiD and its motion codec "
                  "(docs/import.md)"};
   }
   return found;
@@ -120,6 +122,12 @@ Result<SystemFacts> system_facts(const FoundSystem& found, const std::string& fi
     if (!sizes) return within(sizes.error(), file);
     facts.channels = sizes->channels;
     tensors = tensors_of(said::Vae<Tensor>(*sizes), found, file);
+  } else if (found.architecture == Architecture::said) {
+    const auto sizes = said::sizes_of(shapes);
+    if (!sizes) return within(sizes.error(), file);
+    facts.channels = sizes->num_channels;
+    facts.condition = sizes->speech;
+    tensors = tensors_of(said::Network<Tensor>(*sizes), found, file);
   } else {
     using facediffuser::Variant;
     const auto sizes = facediffuser::sizes_of(shapes);

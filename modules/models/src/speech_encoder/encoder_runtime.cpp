@@ -9,9 +9,7 @@
 #include "mien/models/runtime_parameters.h"
 
 namespace mien {
-namespace {
-
-Backend backend_for(EncoderPrecision precision) {
+Backend backend_of(EncoderPrecision precision) {
   switch (precision) {
     case EncoderPrecision::bfloat16:
       return Backend::onednn_bf16;
@@ -23,17 +21,15 @@ Backend backend_for(EncoderPrecision precision) {
   return Backend::rowwise;
 }
 
-}  // namespace
-
 bool encoder_precision_available(EncoderPrecision precision) {
-  return backend_available(backend_for(precision));
+  return backend_available(backend_of(precision));
 }
 
 struct EncoderRuntime::State {
   State(SpeechEncoder<PlainWeights> weights, EncoderPrecision precision)
       : config(weights.config),
-        convolutions(config, weights.conv_layers, backend_for(precision)),
-        layers(weights, backend_for(precision)) {}
+        convolutions(config, weights.conv_layers, backend_of(precision)),
+        layers(weights, backend_of(precision)) {}
 
   EncoderConfig config;
   speech_encoder::FastConvolutions convolutions;

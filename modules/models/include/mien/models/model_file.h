@@ -21,9 +21,10 @@ enum class Architecture {
   facediffuser_beat,
   facediffuser_damm,
   said_vae,  ///< SAiD's motion codec, which measures motion and makes none from speech
+  said,
 };
 /// "default", "speech_encoder", "facexhubert", "facediffuser_v", "facediffuser_beat", "facediffuser_damm",
-/// "said_vae"
+/// "said_vae", "said"
 std::string_view architecture_name(Architecture architecture);
 
 /// What a frame of the model's motion is.

@@ -8,6 +8,7 @@
 namespace mien {
 
 void gelu_in_place(std::span<float> values);
+void silu_in_place(std::span<float> values);
 /// x = layer_norm(x), or layer_norm(x + added) when `added` is given.
 /// @param x  [rows, width], one after the other. @pre x.size() is a multiple of the width of gamma and beta
 /// @param added  empty, or as many values as x

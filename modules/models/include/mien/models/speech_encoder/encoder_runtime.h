@@ -8,7 +8,7 @@
 #include "mien/io/safetensors.h"
 #include "mien/models/speech_encoder/network.h"
 #include "mien/nn/plain_weights.h"
-#include "mien/tensor/tensor.h"
+#include "mien/tensor/packed_matrix.h"
 
 namespace mien {
 
@@ -22,6 +22,8 @@ enum class EncoderPrecision {
 };
 /// Whether this build and this processor can. float32 always can.
 bool encoder_precision_available(EncoderPrecision precision);
+/// Who computes its products.
+Backend backend_of(EncoderPrecision precision);
 
 /// Long clips in pieces: each window of frames is encoded with frames of context on both sides, which are
 /// thrown away. Waveform normalisation and the norm of the first convolution still see the whole clip, so

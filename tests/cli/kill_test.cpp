@@ -1,6 +1,8 @@
 // A program that is killed leaves under the names of its outputs what was there before, or the whole new
-// file.
+// file, and beside them nothing.
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <algorithm>
 
@@ -23,9 +25,16 @@ class Kill : public ProgramTest {
     run.send(SIGKILL);
     ASSERT_EQ(run.wait(), 128 + SIGKILL) << run.err();
   }
-  // Without the hidden ones, which are the temporary names.
-  [[nodiscard]] std::vector<std::string> visible_files() const {
+  // Where the file system has no files without a name, hidden temporary ones are left behind and not counted.
+  [[nodiscard]] std::vector<std::string> files_left() const {
     auto names = files();
+#ifdef O_TMPFILE
+    const int unnamed = ::open(in_folder("").c_str(), O_TMPFILE | O_WRONLY, 0600);
+    if (unnamed >= 0) {
+      ::close(unnamed);
+      return names;
+    }
+#endif
     std::erase_if(names, [](const std::string& name) { return name.starts_with("."); });
     return names;
   }
@@ -33,9 +42,9 @@ class Kill : public ProgramTest {
 
 TEST_F(Kill, WhileItAnimates) {
   write("old.csv", "an older motion");
-  const auto before = visible_files();
+  const auto before = files_left();
   kill_in("animating", "1000", {"a.glb", "old.csv", "a.json", "a.npy", "a.mp4"});
-  EXPECT_EQ(visible_files(), before);
+  EXPECT_EQ(files_left(), before);
   EXPECT_EQ(as_text(bytes_of("old.csv")), "an older motion");
 }
 
@@ -44,10 +53,12 @@ TEST_F(Kill, WhileItFilms) {
   std::vector<std::string> words = {"animate", "long.wav", "--model", "small.safetensors", "--steps", "1"};
   for (const auto& ending : endings) words.insert(words.end(), {"-o", "whole" + ending});
   ASSERT_EQ(mien(words).exit_code, 0);
+  const auto before = files_left().size();
   kill_in("rendering", "1", {"a.glb", "a.csv", "a.json", "a.npy", "a.mp4"});
   for (const auto& ending : endings)  // they are written before the film
     EXPECT_TRUE(bytes_of("a" + ending) == bytes_of("whole" + ending)) << ending;
   EXPECT_FALSE(std::filesystem::exists(in_folder("a.mp4")));
+  EXPECT_EQ(files_left().size(), before + endings.size());
 }
 
 }  // namespace

@@ -1,11 +1,13 @@
 #include "mien/base/file.h"
 
-#include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <fstream>
 #include <system_error>
+
+#include "pending_file.h"
 
 namespace mien {
 namespace {
@@ -14,6 +16,20 @@ namespace fs = std::filesystem;
 
 std::string quoted(const fs::path& path) { return "'" + path.string() + "'"; }
 std::string reason(int error_number) { return std::generic_category().message(error_number); }
+
+// Calls write_some(rest), which returns how much it wrote or -1, until nothing is left.
+template <class WriteSome>
+Status write_all(const fs::path& path, std::span<const std::byte> bytes, WriteSome write_some) {
+  while (!bytes.empty()) {
+    const ssize_t n = write_some(bytes);
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0)
+      return Error{Errc::failed, quoted(path), "writing failed: " + reason(errno),
+                   errno == ENOSPC ? "Free some disk space" : ""};
+    bytes = bytes.subspan(static_cast<std::size_t>(n));
+  }
+  return Done{};
+}
 
 }  // namespace
 
@@ -42,16 +58,7 @@ Result<Bytes> read_file(const fs::path& path) {
 
 struct AtomicFile::State {
   fs::path final_path;
-  fs::path temporary_path;
-  int descriptor = -1;
-
-  ~State() {
-    if (descriptor >= 0) ::close(descriptor);
-    if (!temporary_path.empty()) {
-      std::error_code ignored;
-      fs::remove(temporary_path, ignored);
-    }
-  }
+  PendingFile file;
 };
 
 AtomicFile::AtomicFile(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -60,46 +67,43 @@ AtomicFile& AtomicFile::operator=(AtomicFile&&) noexcept = default;
 AtomicFile::~AtomicFile() = default;
 
 Result<AtomicFile> AtomicFile::create(const fs::path& path) {
+  const auto unwritable = [&](int error_number) {
+    return Error{Errc::failed, quoted(path), "cannot be written: " + reason(error_number),
+                 "Check that the folder exists and may be written to"};
+  };
   std::error_code ec;
   if (fs::is_directory(path, ec))
     return Error{Errc::failed, quoted(path), "is a folder, expected a file name to write", ""};
-  auto state = std::make_unique<State>();
-  state->final_path = path;
-  // The extension stays last: libraries choose a format by it.
-  fs::path temporary = path;
-  temporary.replace_filename("." + path.stem().string() + ".partial-" + std::to_string(::getpid()) +
-                             path.extension().string());
-  state->descriptor = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
-  if (state->descriptor < 0)
-    return Error{Errc::failed, quoted(path), "cannot be written: " + reason(errno),
-                 "Check that the folder exists and may be written to"};
-  state->temporary_path = temporary;
-  return AtomicFile(std::move(state));
+  // A name that cannot be given at the end, such as one that is too long, is an error at the start.
+  struct stat ignored;
+  if (::lstat(PendingFile::hidden_name(path).c_str(), &ignored) != 0 && errno != ENOENT)
+    return unwritable(errno);
+  auto file = PendingFile::unnamed(path);
+  if (!file) file = PendingFile::hidden(path);
+  if (!file) return unwritable(errno);
+  return AtomicFile(std::make_unique<State>(State{path, std::move(*file)}));
 }
 
 Status AtomicFile::write(std::span<const std::byte> bytes) {
-  while (!bytes.empty()) {
-    const ssize_t n = ::write(state_->descriptor, bytes.data(), bytes.size());
-    if (n < 0 && errno == EINTR) continue;
-    if (n < 0) return Error{Errc::failed, quoted(state_->final_path), "writing failed: " + reason(errno), ""};
-    bytes = bytes.subspan(static_cast<std::size_t>(n));
-  }
-  return Done{};
+  return write_all(state_->final_path, bytes, [&](std::span<const std::byte> rest) {
+    return ::write(state_->file.descriptor(), rest.data(), rest.size());
+  });
+}
+
+Status AtomicFile::write_at(std::size_t offset, std::span<const std::byte> bytes) {
+  return write_all(state_->final_path, bytes, [&](std::span<const std::byte> rest) {
+    const auto at = static_cast<off_t>(offset + (bytes.size() - rest.size()));
+    return ::pwrite(state_->file.descriptor(), rest.data(), rest.size(), at);
+  });
 }
 
 Status AtomicFile::commit() {
-  const int descriptor = state_->descriptor;
-  state_->descriptor = -1;
-  if (::close(descriptor) != 0)
-    return Error{Errc::failed, quoted(state_->final_path), "writing failed: " + reason(errno), ""};
-  std::error_code ec;
-  fs::rename(state_->temporary_path, state_->final_path, ec);
-  if (ec) return Error{Errc::failed, quoted(state_->final_path), "cannot be written: " + ec.message(), ""};
-  state_->temporary_path.clear();
+  if (const int error = state_->file.appear(state_->final_path); error != 0)
+    return Error{Errc::failed, quoted(state_->final_path), "cannot be written: " + reason(error), ""};
   return Done{};
 }
 
-const fs::path& AtomicFile::temporary_path() const { return state_->temporary_path; }
+const fs::path& AtomicFile::temporary_path() const { return state_->file.path(); }
 
 Status write_file(const fs::path& path, std::span<const std::byte> bytes) {
   MIEN_TRY(auto file, AtomicFile::create(path));

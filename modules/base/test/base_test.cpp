@@ -2,11 +2,9 @@
 
 #include <atomic>
 #include <cmath>
-#include <filesystem>
 #include <numeric>
 
 #include "mien/base/bytes.h"
-#include "mien/base/file.h"
 #include "mien/base/hash.h"
 #include "mien/base/number_text.h"
 #include "mien/base/parallel.h"
@@ -15,8 +13,6 @@
 
 namespace mien {
 namespace {
-
-namespace fs = std::filesystem;
 
 // Known answers published with the generator (Random123, kat_vectors: philox 4x32 10).
 TEST(Philox, MatchesPublishedVectors) {
@@ -84,26 +80,6 @@ TEST(ParallelFor, RunsEachItemOnceAndRethrows) {
                               }),
                  std::runtime_error);
   }
-}
-
-TEST(File, AppearsOnlyWhenCommitted) {
-  const fs::path folder = fs::path(testing::TempDir()) / "mien_file_test";
-  fs::remove_all(folder);
-  fs::create_directories(folder);
-  {
-    auto file = AtomicFile::create(folder / "a.txt");
-    ASSERT_TRUE(file);
-    ASSERT_TRUE(file->write(as_bytes("half")));
-    EXPECT_FALSE(fs::exists(folder / "a.txt"));
-  }
-  EXPECT_TRUE(fs::is_empty(folder));
-  ASSERT_TRUE(write_file(folder / "a.txt", "whole"));
-  const auto bytes = read_file(folder / "a.txt");
-  ASSERT_TRUE(bytes);
-  EXPECT_EQ(as_text(*bytes), "whole");
-  EXPECT_EQ(read_file(folder).error().code, Errc::input);
-  EXPECT_EQ(read_file(folder / "none").error().code, Errc::input);
-  EXPECT_FALSE(write_file(folder / "no" / "a.txt", "x"));
 }
 
 TEST(Result, CarriesValueOrErrorAndChecksMisuse) {

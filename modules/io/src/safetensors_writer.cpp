@@ -1,12 +1,7 @@
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <bit>
-#include <cerrno>
 #include <cmath>
 #include <set>
-#include <system_error>
 #include <unordered_map>
 
 #include "mien/base/file.h"
@@ -31,31 +26,12 @@ struct SafetensorsWriter::State {
     std::size_t cursor = 0;          ///< bytes from `begin`, where write() goes on
     std::size_t written = 0;
   };
-  std::string name;
   AtomicFile file;
-  int descriptor = -1;
   std::vector<Slot> slots;
   std::unordered_map<std::string, std::size_t> index;
 
   explicit State(AtomicFile f) : file(std::move(f)) {}
-  ~State() {
-    if (descriptor >= 0) ::close(descriptor);
-  }
 
-  [[nodiscard]] Error failure(int error_number) const {
-    return {Errc::failed, name, "writing failed: " + std::generic_category().message(error_number),
-            error_number == ENOSPC ? "Free some disk space" : ""};
-  }
-  Status write_bytes(std::size_t offset, std::span<const std::byte> bytes) const {
-    while (!bytes.empty()) {
-      const ssize_t n = ::pwrite(descriptor, bytes.data(), bytes.size(), static_cast<off_t>(offset));
-      if (n < 0 && errno == EINTR) continue;
-      if (n < 0) return failure(errno);
-      offset += static_cast<std::size_t>(n);
-      bytes = bytes.subspan(static_cast<std::size_t>(n));
-    }
-    return Done{};
-  }
   Slot& slot(std::string_view tensor) {
     const auto found = index.find(std::string(tensor));
     contract(found != index.end(), "SafetensorsWriter: '" + std::string(tensor) + "' was not declared");
@@ -66,7 +42,7 @@ struct SafetensorsWriter::State {
     const std::size_t size = s.end - s.begin;
     contract(offset <= size && bytes.size() <= size - offset && bytes.size() <= size - s.written,
              "SafetensorsWriter: more elements than the declared shape of '" + s.tensor.name + "' has");
-    MIEN_TRY([[maybe_unused]] const auto done, write_bytes(s.begin + offset, bytes));
+    MIEN_TRY([[maybe_unused]] const auto done, file.write_at(s.begin + offset, bytes));
     s.written += bytes.size();
     return Done{};
   }
@@ -105,15 +81,12 @@ Result<SafetensorsWriter> SafetensorsWriter::create(const std::filesystem::path&
   start.insert(start.end(), text_bytes.begin(), text_bytes.end());
 
   auto state = std::make_unique<State>(std::move(file));
-  state->name = "'" + path.string() + "'";
-  state->descriptor = ::open(state->file.temporary_path().c_str(), O_WRONLY | O_CLOEXEC);
-  if (state->descriptor < 0) return state->failure(errno);
   for (auto& entry : header.entries) {
     state->index[entry.tensor.name] = state->slots.size();
     state->slots.push_back(
         {std::move(entry.tensor), start.size() + entry.begin, start.size() + entry.end, 0, 0});
   }
-  MIEN_TRY([[maybe_unused]] const auto done, state->write_bytes(0, start));
+  MIEN_TRY([[maybe_unused]] const auto done, state->file.write(start));
   return SafetensorsWriter(std::move(state));
 }
 
@@ -175,9 +148,6 @@ Status SafetensorsWriter::finish() {
   for (const auto& slot : state_->slots)
     contract(slot.written == slot.end - slot.begin,
              "SafetensorsWriter::finish: '" + slot.tensor.name + "' is incomplete");
-  const int descriptor = state_->descriptor;
-  state_->descriptor = -1;
-  if (::close(descriptor) != 0) return state_->failure(errno);
   return state_->file.commit();
 }
 

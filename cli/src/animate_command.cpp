@@ -1,148 +1,20 @@
 // mien animate: speech in, motion files and videos out.
 #include <chrono>
 
-#include "character_source.h"
-#include "director.h"
-#include "face_director.h"
+#include "animate_clip.h"
+#include "animate_plan.h"
+#include "mien/audio/load_audio.h"
 #include "mien/base/number_text.h"
-#include "mien/base/parallel.h"
 #include "mien/console/console_exit.h"
-#include "mien/io/character_file.h"
-#include "mien/io/motion_file.h"
-#include "mien/models/animate.h"
-#include "mien/models/face_model.h"
 #include "options.h"
-#include "outputs.h"
-#include "pictures.h"
-#include "share.h"
-#include "vertex_outputs.h"
 
 namespace mien {
 namespace {
 
-namespace fs = std::filesystem;
-constexpr std::string_view kSilent = "the recording is silent";  // the reader's warning (mien/audio)
+using Clock = std::chrono::steady_clock;
 
-struct AnimateArguments {
-  std::string speech, model, character;
-  std::vector<std::string> outputs;
-  DirectionWords words;
-  FaceWords face;
-  VertexOptions vertices;
-  int takes = 1;
-  double fps = 0;  // 0: 60 for motion, 30 for pictures
-  std::string size = "512", view = "portrait";
-  bool allow_silence = false;
-  int threads = hardware_threads();
-};
-
-// Everything that can be wrong is found out before the work begins.
-struct Prepared {
-  std::vector<Output> outputs;  // of all takes, take by take
-  bool is_published = false;    // FaceXHuBERT or FaceDiffuser, not the default model
-  PerformOptions options;
-  FaceOptions face;
-  fs::path model_path, character_path;
-  Bytes character_glb;                 // when a .glb is written
-  std::optional<Character> character;  // when pictures are drawn
-  std::optional<Mesh> mesh;            // of a model that moves vertices, which needs no character
-  PictureOptions pictures;
-};
-
-// The architecture decides what the words mean and what is written.
-Result<ModelFile> describe(const fs::path& path) {
-  const auto file = SafetensorsFile::open(path);
-  if (!file) return file.error();
-  auto model = read_model_file(file->metadata());
-  if (!model) return within(model.error(), "loading model '" + path.string() + "'");
-  return model;
-}
-
-Status direct(const AnimateArguments& a, Prepared& p) {
-  if (p.is_published) {
-    MIEN_TRY(p.face, face_options(a.words, a.face));
-    MIEN_TRY([[maybe_unused]] const auto precision, encoder_precision(a.face));
-    return Done{};
-  }
-  if (const std::string word = a.face.used(); !word.empty())
-    return Error{Errc::usage, word, "does not apply to this model: it is for FaceXHuBERT and FaceDiffuser",
-                 "Leave it out, or name such a model with --model"};
-  MIEN_TRY(p.options, perform_options(a.words));
-  return Done{};
-}
-
-// The mesh whose vertices the model moves; outputs that cannot be made of it are refused before the work.
-Status prepare_mesh(const AnimateArguments& a, const ModelFile& model, Prepared& p) {
-  const auto mesh = vertex_mesh(a.vertices, vertex_motion(topology_of(model.output.channels / 3), 1));
-  if (!mesh) return mesh.error();
-  Status status = Done{};
-  for (const auto& output : p.outputs) {
-    const auto extension = output.path.extension();
-    if (extension == ".csv" || extension == ".json")
-      return Error{Errc::usage, "output '" + output.path.string() + "'",
-                   "cannot hold the vertices that this model moves", "Write .npy, .glb, meshes or pictures"};
-    if (output.is_picture() && mesh->triangles.empty())
-      return Error{Errc::usage, "output '" + output.path.string() + "'", "a picture needs triangles",
-                   "Pass --mesh FILE with the template of the data set (.obj or .ply)"};
-    if (output.is_glb()) status.warnings = mesh.warnings;
-  }
-  p.mesh = *mesh;
-  return status;
-}
-
-Result<Prepared> prepare(const AnimateArguments& a) {
-  Prepared p;
-  ModelFile model;
-  bool moves_vertices = false;
-  if (!a.model.empty()) {
-    MIEN_TRY(model, describe(a.model));
-    p.is_published = FaceModel::runs(model.architecture);
-    moves_vertices = p.is_published && model.output.space == "vertices";
-  }
-  if (!a.vertices.mesh.empty() && !moves_vertices)
-    return Error{Errc::usage, "--mesh", "is for models that move vertices",
-                 "Leave it out, or pass a face with --character"};
-  MIEN_TRY([[maybe_unused]] const auto directed, direct(a, p));
-  const auto size = parse_size(a.size);
-  if (!size) return size.error();
-  p.pictures = {.width = size->first, .height = size->second, .threads = a.threads};
-  if (a.fps > 0) p.pictures.fps = a.fps;
-  MIEN_TRY([[maybe_unused]] const auto view, check_view(a.view));
-  p.pictures.view = a.view;
-  std::vector<std::string> names = a.outputs;
-  if (names.empty()) names.push_back(fs::path(a.speech).stem().string() + (moves_vertices ? ".npy" : ".glb"));
-  if (a.model.empty()) {
-    MIEN_TRY(p.model_path, shared_file("default.safetensors", "--model FILE"));
-  } else {
-    p.model_path = a.model;
-  }
-  MIEN_TRY(p.character_path, character_path(a.character));
-  constexpr OutputKind kAll[] = {OutputKind::motion, OutputKind::video, OutputKind::sheet, OutputKind::frames,
-                                 OutputKind::meshes};
-  const std::span<const OutputKind> kinds = std::span(kAll).first(moves_vertices ? 5 : 4);
-  const std::array<fs::path, 4> inputs = {a.speech, p.model_path, p.character_path, a.vertices.mesh};
-  MIEN_TRY(p.outputs, plan_outputs(names, inputs, kinds, a.takes));
-  if (!moves_vertices) return p;
-  const Status mesh = prepare_mesh(a, model, p);
-  if (!mesh) return mesh.error();
-  Result<Prepared> prepared(std::move(p));
-  prepared.warnings = mesh.warnings;
-  return prepared;
-}
-
-Status load_character_for(const std::vector<Output>& outputs, Prepared& p, ConsoleProgress& progress) {
-  if (p.mesh) return Done{};
-  const auto any = [&](auto wanted) { return std::any_of(outputs.begin(), outputs.end(), wanted); };
-  if (any([](const Output& o) { return o.is_glb(); })) {
-    MIEN_TRY(p.character_glb, character_glb(p.character_path));
-  }
-  if (any([](const Output& o) { return o.is_picture(); })) {
-    auto character = load_character(p.character_path);
-    if (!character) return character.error();
-    for (const auto& warning : character.warnings) progress.warn(warning);
-    p.character = std::move(*character);
-  }
-  return Done{};
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
 std::string output_list(const std::vector<Output>& outputs) {
@@ -153,108 +25,86 @@ std::string output_list(const std::vector<Output>& outputs) {
   return list;
 }
 
-std::string json_list(const std::vector<Output>& outputs) {
+// The members "outputs" to "seed" of an event.
+std::string outcome_json(const std::vector<Output>& outputs, double speech_seconds, double seconds,
+                         std::uint64_t seed) {
   std::string list;
   for (const auto& output : outputs) list += (list.empty() ? "" : ",") + json_string(output.path.string());
-  return "[" + list + "]";
+  return "\"outputs\":[" + list + "],\"speech_seconds\":" + fixed(speech_seconds, 3) +
+         ",\"seconds\":" + fixed(seconds, 3) + ",\"real_time_factor\":" + fixed(seconds / speech_seconds, 4) +
+         ",\"seed\":" + std::to_string(seed);
 }
 
-Status write_vertex_outputs(const AnimateArguments& a, const Prepared& p, const std::vector<Motion>& takes,
-                            const AudioClip* sound, ConsoleProgress& progress) {
-  const std::size_t per_take = p.outputs.size() / takes.size();
-  const VertexShow show{p.pictures, sound, fs::path(a.speech).filename().string()};
-  for (std::size_t k = 0; k < p.outputs.size(); ++k) {
-    const Status written =
-        write_vertex_output(p.outputs[k], takes[k / per_take], *p.mesh, a.vertices, show, progress);
-    if (!written) return written.error();
-    for (const auto& warning : written.warnings) progress.warn(warning);
+std::string outcome_text(const std::string& what, double speech_seconds, double seconds, std::uint64_t seed) {
+  return "wrote " + what + ": " + fixed(speech_seconds, 2) + " s of speech in " + fixed(seconds, 2) +
+         " s (real-time factor " + fixed(seconds / speech_seconds, 3) + "), seed " + std::to_string(seed);
+}
+
+void tell_start(const AnimateArguments& a, const AnimatePlan& p, ConsoleProgress& progress) {
+  std::string inputs, outputs;
+  for (const auto& speech : a.speech) inputs += (inputs.empty() ? "" : ",") + json_string(speech);
+  for (const auto& output : p.all_outputs())
+    outputs += (outputs.empty() ? "" : ",") + json_string(output.path.string());
+  progress.event("start", "\"command\":\"animate\",\"input\":" + json_string(a.speech.front()) +
+                              ",\"inputs\":[" + inputs + "],\"model\":" + json_string(p.model_path.string()) +
+                              ",\"outputs\":[" + outputs + "],\"seed\":" + std::to_string(a.words.seed));
+}
+
+// A recording that cannot be animated is no reason to lose the others; a wrong word or an interruption is.
+bool concerns_all(const Error& error) { return error.code == Errc::usage || error.code == Errc::cancelled; }
+
+// Recordings one after the other, with the model loaded once.
+Status animate_clips(const AnimateArguments& a, const AnimatePlan& p, const Performer& performer,
+                     Clock::time_point start, ConsoleProgress& progress) {
+  std::vector<Output> written;
+  std::string failed;
+  int num_failed = 0;
+  double speech_seconds = 0;
+  for (const ClipPlan& clip : p.clips) {
+    const auto clip_start = Clock::now();
+    const std::string input = "\"input\":" + json_string(clip.speech.string()) + ",";
+    const auto seconds = animate_clip(a, p, performer, clip, progress);
+    if (!seconds) {
+      if (concerns_all(seconds.error())) return seconds.error();
+      ++num_failed;
+      failed += (failed.empty() ? "'" : ", '") + clip.speech.string() + "'";
+      report_error(seconds.error(), progress, "clip_failed", input);
+      continue;
+    }
+    speech_seconds += *seconds;
+    written.insert(written.end(), clip.outputs.begin(), clip.outputs.end());
+    const double taken = seconds_since(clip_start);
+    progress.event("clip", input + outcome_json(clip.outputs, *seconds, taken, a.words.seed));
+    progress.say(outcome_text(output_list(clip.outputs), *seconds, taken, a.words.seed));
   }
+  const std::string count = std::to_string(p.clips.size());
+  if (num_failed > 0)
+    return Error{Errc::failed, std::to_string(num_failed) + " of " + count + " recordings",
+                 "failed: " + failed + "; the others are written", ""};
+  const double taken = seconds_since(start);
+  progress.event("success", outcome_json(written, speech_seconds, taken, a.words.seed));
+  progress.say(outcome_text(count + " recordings", speech_seconds, taken, a.words.seed));
   return Done{};
-}
-
-// Writes all outputs of all takes. Motion files are small and written side by side; films take all threads.
-Status write_outputs(const AnimateArguments& a, const Prepared& p, const std::vector<Motion>& takes,
-                     const AudioClip* sound, ConsoleProgress& progress) {
-  if (p.mesh) return write_vertex_outputs(a, p, takes, sound, progress);
-  const std::size_t per_take = p.outputs.size() / takes.size();
-  std::vector<Status> results(p.outputs.size(), Status(Done{}));
-  const MotionContext context{
-      .character_glb = p.character_glb, .audio_name = fs::path(a.speech).filename().string(), .glb = {}};
-  parallel_for(a.threads, static_cast<std::int64_t>(p.outputs.size()), [&](std::int64_t i) {
-    const auto k = static_cast<std::size_t>(i);
-    if (p.outputs[k].is_picture()) return;
-    results[k] = write_motion(p.outputs[k].path, takes[k / per_take], context);
-  });
-  for (std::size_t k = 0; k < p.outputs.size(); ++k) {
-    if (p.outputs[k].is_picture())
-      results[k] =
-          write_pictures(p.outputs[k], takes[k / per_take], *p.character, sound, p.pictures, progress);
-    if (!results[k]) return results[k].error();
-    if (k < per_take)
-      for (const auto& warning : results[k].warnings)
-        progress.warn(p.outputs[k].path.string() + ": " + warning);
-  }
-  return Done{};
-}
-
-Result<std::vector<Motion>> perform(const AnimateArguments& a, const Prepared& p, ConsoleProgress& progress) {
-  if (!p.is_published) {
-    MIEN_TRY(AudioReader speech, AudioReader::open(a.speech));
-    MIEN_TRY(const DefaultModel model, DefaultModel::load(p.model_path));
-    return animate(model, speech, p.options, a.takes, a.threads, progress);
-  }
-  auto clip = load_audio(a.speech);
-  if (!clip) return clip.error();
-  MIEN_TRY(const EncoderPrecision precision, encoder_precision(a.face));
-  MIEN_TRY(const FaceModel model, FaceModel::load(p.model_path, a.threads, precision));
-  auto takes = animate(model, *clip, p.face, a.takes, a.threads, progress);
-  if (takes) takes.warnings = clip.warnings;
-  return takes;
 }
 
 Status run_animate(const AnimateArguments& a, ConsoleProgress& progress) {
-  const auto start = std::chrono::steady_clock::now();
-  auto prepared = prepare(a);
-  if (!prepared) return prepared.error();
-  for (const auto& warning : prepared.warnings) progress.warn(warning);
-  Prepared& p = *prepared;
-  MIEN_TRY([[maybe_unused]] const AudioReader readable, AudioReader::open(a.speech));
-  progress.event("start", "\"command\":\"animate\",\"input\":" + json_string(a.speech) + ",\"model\":" +
-                              json_string(p.model_path.string()) + ",\"outputs\":" + json_list(p.outputs) +
-                              ",\"seed\":" + std::to_string(a.words.seed));
-  MIEN_TRY([[maybe_unused]] const auto writable, check_writable(p.outputs));
-  MIEN_TRY([[maybe_unused]] const auto character, load_character_for(p.outputs, p, progress));
-
-  auto takes = perform(a, p, progress);
-  if (!takes) return within(takes.error(), "animating '" + a.speech + "'");
-  for (const auto& warning : takes.warnings) {
-    if (warning == kSilent && !a.allow_silence)
-      return Error{Errc::input, "'" + a.speech + "'", warning, "Pass --allow-silence to get a face at rest"};
-    progress.warn(warning);
+  const auto start = Clock::now();
+  auto plan = plan_animation(a);
+  if (!plan) return plan.error();
+  for (const auto& warning : plan.warnings) progress.warn(warning);
+  if (a.speech.size() == 1) {
+    MIEN_TRY([[maybe_unused]] const auto readable, AudioReader::open(a.speech.front()));
   }
-  const double seconds = takes->front().seconds();
-  if (a.fps > 0 && a.fps != takes->front().fps)
-    for (auto& motion : *takes) motion = resample(motion, a.fps);
+  tell_start(a, *plan, progress);
+  MIEN_TRY([[maybe_unused]] const auto prepared, prepare_outputs(*plan, progress));
+  MIEN_TRY(const Performer performer, load_performer(a, *plan));
+  if (plan->clips.size() > 1) return animate_clips(a, *plan, performer, start, progress);
 
-  std::optional<AudioClip> sound;
-  for (const auto& output : p.outputs) {
-    if (output.kind != OutputKind::video || sound) continue;
-    auto clip = load_audio(a.speech);
-    if (!clip) return clip.error();
-    sound = std::move(*clip);
-  }
-  MIEN_TRY([[maybe_unused]] const auto written,
-           write_outputs(a, p, *takes, sound ? &*sound : nullptr, progress));
-
-  const double taken = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  const double factor = taken / seconds;
-  progress.event("success",
-                 "\"outputs\":" + json_list(p.outputs) + ",\"speech_seconds\":" + fixed(seconds, 3) +
-                     ",\"seconds\":" + fixed(taken, 3) + ",\"real_time_factor\":" + fixed(factor, 4) +
-                     ",\"seed\":" + std::to_string(a.words.seed));
-  progress.say("wrote " + output_list(p.outputs) + ": " + fixed(seconds, 2) + " s of speech in " +
-               fixed(taken, 2) + " s (real-time factor " + fixed(factor, 3) + "), seed " +
-               std::to_string(a.words.seed));
+  const ClipPlan& clip = plan->clips.front();
+  MIEN_TRY(const double seconds, animate_clip(a, *plan, performer, clip, progress));
+  const double taken = seconds_since(start);
+  progress.event("success", outcome_json(clip.outputs, seconds, taken, a.words.seed));
+  progress.say(outcome_text(output_list(clip.outputs), seconds, taken, a.words.seed));
   return Done{};
 }
 
@@ -263,14 +113,19 @@ Status run_animate(const AnimateArguments& a, ConsoleProgress& progress) {
 void add_animate_command(CLI::App& program, Chosen& chosen) {
   auto* command = program.add_subcommand("animate", "Turn recorded speech into facial animation");
   auto a = std::make_shared<AnimateArguments>();
-  command->add_option("SPEECH", a->speech, "Any file with sound: wav, flac, ogg, mp3, m4a, mp4 ...")
+  command
+      ->add_option("SPEECH", a->speech,
+                   "Files with sound: wav, flac, ogg, mp3, m4a, mp4 ... One that cannot be animated does not "
+                   "stop the others")
       ->required();
   command
       ->add_option(
           "-o,--output", a->outputs,
           "File to write, may be repeated: .glb .csv .json .npy .mp4 .webm .png, or a folder/ of pictures. "
-          "Default: SPEECH with .glb, in the current folder. Several takes get -1, -2 ... at the end of "
-          "their names")
+          "{name} stands for the name of SPEECH without extension. Several SPEECH need it, or a folder/ for "
+          "a "
+          ".glb of each. Default: {name}.glb, in the current folder. Several takes get -1, -2 ... at the "
+          "end of their names")
       ->allow_extra_args(false);
   command->add_option("--model", a->model,
                       "Model file (.safetensors). Default: the one that comes with Mien");
@@ -332,6 +187,8 @@ void add_animate_command(CLI::App& program, Chosen& chosen) {
   add_console_options(*command, chosen);
   add_footer(*command,
              "  mien animate hello.wav\n"
+             "  mien animate lines/*.wav -o takes/ --takes 3\n"
+             "  mien animate a.wav b.wav -o '{name}.csv' -o '{name}.mp4'\n"
              "  mien animate hello.wav -o hello.glb -o hello.csv -o hello.mp4 --emotion happy:2 --seed 7\n"
              "  mien animate hello.wav --model biwi.safetensors --subject M3 --skip 450 -o hello.npy\n"
              "  mien animate hello.wav --model voca.safetensors --mesh FLAME_sample.ply -o hello.glb -o "

@@ -1,9 +1,11 @@
 // mien animate with an imported model: FaceDiffuser on a small mesh.
 #include <gmock/gmock.h>
 
+#include "mien/audio/load_audio.h"
 #include "mien/io/character_file.h"
 #include "mien/io/motion_file.h"
 #include "mien/io/npy.h"
+#include "mien/models/face_model.h"
 #include "program.h"
 #include "small_face_model.h"
 
@@ -18,6 +20,14 @@ class AnimateFaceTest : public ProgramTest {
   AnimateFaceTest() {
     write_face_model(in_folder("mesh.safetensors"), face_description(Architecture::facediffuser_v),
                      facediffuser::VertexDenoiser<Tensor>(small_mesh_sizes()));
+  }
+  // In two rows, with triangles between them.
+  static std::string twenty_vertices() {
+    std::string obj;
+    for (int v = 0; v < 20; ++v) obj += "v " + std::to_string(v % 10) + " " + std::to_string(v / 10) + " 0\n";
+    for (int v = 1; v < 10; ++v)
+      obj += "f " + std::to_string(v) + " " + std::to_string(v + 1) + " " + std::to_string(v + 10) + "\n";
+    return obj;
   }
   [[nodiscard]] Outcome face(std::vector<std::string> more) const {
     more.insert(more.begin(), {"animate", "speech.wav", "--model", "mesh.safetensors"});
@@ -43,6 +53,50 @@ TEST_F(AnimateFaceTest, TheSeedDecidesAndThreadsDoNot) {
   EXPECT_NE(bytes_of("a.npy"), bytes_of("c.npy"));
 }
 
+// What goes to the file block by block is what the library gives at once.
+TEST_F(AnimateFaceTest, StreamsTheBitsOfTheMotionInMemory) {
+  write_wav("long.wav", syllables(23));
+  const auto model = FaceModel::load(in_folder("mesh.safetensors"));
+  ASSERT_TRUE(model) << model.error().message();
+  const auto clip = load_audio(in_folder("long.wav"));
+  ASSERT_TRUE(clip);
+  for (const bool windowed : {false, true}) {
+    FaceOptions options;
+    options.seed = 5;
+    std::vector<std::string> words = {
+        "animate", "long.wav", "--model", "mesh.safetensors", "--seed", "5", "--takes", "2", "-o", "a.npy"};
+    if (windowed) {
+      options.windows = {.frames = 100, .left = 250, .right = 250};
+      words.insert(words.end(), {"--window", "2"});
+    }
+    Progress progress;
+    const auto takes = ::mien::animate(*model, *clip, options, 2, 1, progress);
+    ASSERT_TRUE(takes) << takes.error().message();
+    ASSERT_EQ(mien(words).exit_code, 0);
+    for (int take = 0; take < 2; ++take) {
+      const auto array = read_npy(bytes_of("a-" + std::to_string(take + 1) + ".npy"));
+      ASSERT_TRUE(array) << array.error().message();
+      EXPECT_EQ(array->values, (*takes)[static_cast<std::size_t>(take)].values) << take;
+    }
+  }
+  // The same through the interpolation to another rate, and beside an output that keeps the frames.
+  write("face.obj", twenty_vertices());
+  ASSERT_EQ(face({"--fps", "60", "-o", "b.npy"}).exit_code, 0);
+  ASSERT_EQ(face({"--fps", "60", "--mesh", "face.obj", "-o", "c.npy", "-o", "c.glb"}).exit_code, 0);
+  EXPECT_EQ(bytes_of("b.npy"), bytes_of("c.npy"));
+  EXPECT_EQ(read_npy(bytes_of("b.npy"))->shape.front(), 118) << "49 frames at 25 fps";
+}
+
+TEST_F(AnimateFaceTest, AFullDiskIsSaidAndLeavesNothing) {
+  write_wav("long.wav", syllables(23));
+  const auto before = files();
+  const auto run = mien({"animate", "long.wav", "--model", "mesh.safetensors", "-o", "a.npy"},
+                        "ulimit -f 60; trap '' XFSZ;");
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_THAT(run.err, HasSubstr("'a.npy': writing failed"));
+  EXPECT_EQ(files(), before);
+}
+
 TEST_F(AnimateFaceTest, KnowsItsOptions) {
   for (const std::vector<std::string>& more :
        std::vector<std::vector<std::string>>{{"--style", "F1", "--template", "M2"},
@@ -59,12 +113,7 @@ TEST_F(AnimateFaceTest, KnowsItsOptions) {
 }
 
 TEST_F(AnimateFaceTest, PutsItsVerticesOnAMesh) {
-  // 20 vertices in two rows, with triangles between them.
-  std::string obj;
-  for (int v = 0; v < 20; ++v) obj += "v " + std::to_string(v % 10) + " " + std::to_string(v / 10) + " 0\n";
-  for (int v = 1; v < 10; ++v)
-    obj += "f " + std::to_string(v) + " " + std::to_string(v + 1) + " " + std::to_string(v + 10) + "\n";
-  write("face.obj", obj);
+  write("face.obj", twenty_vertices());
   const auto run = face({"--mesh", "face.obj", "-o", "a.glb", "-o", "a.obj/", "-o", "a.png", "--size", "64"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_THAT(run.err, HasSubstr("49 frames of 20 vertices"));

@@ -34,11 +34,13 @@ int exit_code(Errc code) {
   return 1;
 }
 
-int report_error(const Error& error, ConsoleProgress& progress) {
+int report_error(const Error& error, ConsoleProgress& progress, std::string_view event,
+                 std::string_view fields) {
   const int code = exit_code(error.code);
   progress.finish_line();
-  progress.event("failure", "\"exit_code\":" + std::to_string(code) + ",\"what\":" + json_string(error.what) +
-                                ",\"why\":" + json_string(error.why) + ",\"fix\":" + json_string(error.fix));
+  progress.event(event, std::string(fields) + "\"exit_code\":" + std::to_string(code) +
+                            ",\"what\":" + json_string(error.what) + ",\"why\":" + json_string(error.why) +
+                            ",\"fix\":" + json_string(error.fix));
   if (progress.mode() != ConsoleMode::json) {
     const std::string what = error.what.empty() ? "" : error.what + ": ";
     std::fprintf(stderr, "error: %s%s\n", what.c_str(), error.why.c_str());

@@ -32,8 +32,9 @@ Result<std::unique_ptr<SoundSource>> open_source(InputFile file) {
 }  // namespace
 
 struct AudioReader::State {
-  State(std::string file_name, std::unique_ptr<SoundSource> opened)
-      : name(std::move(file_name)),
+  State(std::filesystem::path file, std::string file_name, std::unique_ptr<SoundSource> opened)
+      : path(std::move(file)),
+        name(std::move(file_name)),
         source(std::move(opened)),
         mixer(source->info().sample_rate_hz),
         resampler(source->info().sample_rate_hz) {}
@@ -57,15 +58,16 @@ struct AudioReader::State {
       } else {
         resampler.push(mono, ready);
       }
-      for (; num_warnings_taken < source->warnings().size(); ++num_warnings_taken)
+      for (; !has_all_warnings && num_warnings_taken < source->warnings().size(); ++num_warnings_taken)
         warnings.push_back(source->warnings()[num_warnings_taken]);
-      if (is_over)
+      if (is_over && !has_all_warnings)
         for (auto& warning : mixer.verdict()) warnings.push_back(std::move(warning));
       if (failure) return *failure;
     }
     return Done{};
   }
 
+  std::filesystem::path path;
   std::string name;
   std::unique_ptr<SoundSource> source;
   MonoMixer mixer;
@@ -75,9 +77,11 @@ struct AudioReader::State {
   std::vector<float> ready;  // decoded and not yet given: from `first` on
   std::size_t first = 0;
   bool is_over = false;
+  bool was_read = false;
   std::optional<Error> failure;
   std::vector<std::string> warnings;
   std::size_t num_warnings_taken = 0;
+  bool has_all_warnings = false;  // of an earlier reading
 };
 
 AudioReader::AudioReader(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -89,7 +93,7 @@ Result<AudioReader> AudioReader::open(const std::filesystem::path& path) {
   MIEN_TRY(InputFile file, InputFile::open(path));
   std::string name = file.name();
   MIEN_TRY(auto source, open_source(std::move(file)));
-  auto state = std::make_unique<State>(std::move(name), std::move(source));
+  auto state = std::make_unique<State>(path, std::move(name), std::move(source));
   MIEN_TRY([[maybe_unused]] const Done filled, state->fill(kMinAudioSamples));
   if (state->num_ready() < kMinAudioSamples) {
     std::string why = "too short: at least 25 ms needed, found " +
@@ -103,6 +107,7 @@ Result<AudioReader> AudioReader::open(const std::filesystem::path& path) {
 
 Result<std::size_t> AudioReader::read(std::span<float> out) {
   State& s = *state_;
+  s.was_read = true;
   std::size_t written = 0;
   while (written < out.size()) {
     // A block at a time, so that a large request does not collect in `ready` first.
@@ -115,6 +120,17 @@ Result<std::size_t> AudioReader::read(std::span<float> out) {
     written += n;
   }
   return written;
+}
+
+Status AudioReader::rewind() {
+  if (!state_->was_read) return Done{};
+  MIEN_TRY(AudioReader again, open(state_->path));
+  if (state_->is_over) {  // its warnings are complete: the same ones come again
+    again.state_->warnings = std::move(state_->warnings);
+    again.state_->has_all_warnings = true;
+  }
+  *this = std::move(again);
+  return Done{};
 }
 
 const AudioInfo& AudioReader::info() const { return state_->source->info(); }

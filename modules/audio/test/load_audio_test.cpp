@@ -213,6 +213,24 @@ TEST(AudioReader, AnySizeOfRequestGivesTheSameSamples) {
   }
 }
 
+TEST(AudioReader, ReadsAgainFromTheStart) {
+  const TemporaryFile file(float_wav(std::vector<float>(44100, 0.0f), 1, 44100));
+  auto reader = AudioReader::open(file.path());
+  ASSERT_TRUE(reader.has_value());
+  ASSERT_TRUE(reader->rewind()) << "nothing was read";
+  std::vector<float> part(1000), whole(20000);
+  ASSERT_EQ(*reader->read(part), 1000u);
+  ASSERT_TRUE(reader->rewind());
+  ASSERT_EQ(*reader->read(whole), 16000u);
+  EXPECT_THAT(reader->warnings(), ElementsAre(HasSubstr("silent")));
+  ASSERT_TRUE(reader->rewind());
+  EXPECT_THAT(reader->warnings(), ElementsAre(HasSubstr("silent")));
+  ASSERT_EQ(*reader->read(whole), 16000u);
+  EXPECT_THAT(reader->warnings(), ElementsAre(HasSubstr("silent"))) << "said once";
+  std::filesystem::remove(file.path());
+  EXPECT_FALSE(reader->rewind());
+}
+
 // A tone keeps its phase from the first sample to the last: nothing is moved in time.
 TEST(Resampler, DoesNotMoveTheSound) {
   for (const int rate : {8000, 11025, 16000, 22050, 44100, 48000, 96000, 192000}) {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "mien/base/contract.h"
+#include "mien/core/motion_resampler.h"
 
 namespace mien {
 
@@ -40,21 +41,10 @@ Motion resample(const Motion& motion, double fps) {
   contract(fps > 0 && motion.fps > 0, "resample: frame rates must be positive");
   if (fps == motion.fps) return motion;
   Motion out{motion.space, motion.channels, fps, {}, motion.topology};
-  const std::int64_t num_in = motion.num_frames();
-  if (num_in == 0) return out;
-  const std::int64_t num_out = std::max<std::int64_t>(1, num_motion_frames(motion.seconds(), fps));
-  out.values.resize(static_cast<std::size_t>(num_out) * static_cast<std::size_t>(motion.num_channels()));
-  for (std::int64_t n = 0; n < num_out; ++n) {
-    const double position =
-        std::min(static_cast<double>(n) * motion.fps / fps, static_cast<double>(num_in - 1));
-    const auto left = static_cast<std::int64_t>(position);
-    const auto right = std::min(left + 1, num_in - 1);
-    const double w = position - static_cast<double>(left);
-    const auto a = motion.frame(left), b = motion.frame(right);
-    const auto y = out.frame(n);
-    for (std::size_t c = 0; c < y.size(); ++c)
-      y[c] = static_cast<float>(a[c] + w * (static_cast<double>(b[c]) - a[c]));  // no overflow
-  }
+  if (motion.num_frames() == 0) return out;
+  MotionResampler resampler(motion.fps, fps, motion.num_channels());
+  resampler.push(motion.values, out.values);
+  resampler.finish(out.values);
   return out;
 }
 

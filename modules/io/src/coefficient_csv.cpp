@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "even_motion.h"
+#include "frame_text.h"
 #include "mien/base/number_text.h"
 #include "mien/core/arkit.h"
 #include "shape_names.h"
@@ -38,41 +38,56 @@ std::string numpy_text(float value) {
   return out + digits.substr(0, whole) + "." + digits.substr(whole);
 }
 
+class CoefficientText final : public io::FrameText {
+ public:
+  explicit CoefficientText(const Motion& format) : fps_(format.fps) {
+    std::vector<bool> used(format.channels.size());
+    for (const std::string& name : arkit_order(ArkitOrder::said)) {
+      columns_.push_back(format.find(name));
+      if (columns_.back()) used[static_cast<std::size_t>(*columns_.back())] = true;
+      head_ += (head_.empty() ? "" : ",") + name;
+    }
+    head_ += "\n";
+    for (std::size_t c = 0; c < used.size(); ++c)
+      if (!used[c]) lost_.push_back(format.channels[c]);
+  }
+  [[nodiscard]] std::string_view name() const override { return "coefficient CSV"; }
+  [[nodiscard]] std::string head() const override { return head_; }
+  void append(std::string& text, std::int64_t /*n*/, std::span<const float> frame) const override {
+    for (std::size_t c = 0; c < columns_.size(); ++c) {
+      if (c > 0) text += ',';
+      text += columns_[c] ? numpy_text(frame[static_cast<std::size_t>(*columns_[c])]) : "0.0";
+    }
+    text += '\n';
+  }
+  [[nodiscard]] std::vector<std::string> warnings() const override {
+    constexpr double kFps = 60;
+    std::vector<std::string> all;
+    if (!lost_.empty()) all.push_back("channels that SAiD's CSV has no column for: " + io::listed(lost_));
+    if (fps_ != kFps)
+      all.push_back("SAiD's CSV states no rate and is taken for 60 frames a second; the motion has " +
+                    fixed(fps_, 2));
+    return all;
+  }
+
+ private:
+  double fps_;
+  std::string head_;
+  std::vector<std::optional<std::int64_t>> columns_;  // of the file, by index in the motion
+  std::vector<std::string> lost_;
+};
+
 }  // namespace
 
-Status write_coefficient_csv(const Motion& motion, const TextSink& sink) {
-  if (motion.space != MotionSpace::arkit)
+Result<std::unique_ptr<io::FrameText>> io::coefficient_text(const Motion& format) {
+  if (format.space != MotionSpace::arkit)
     return Error{Errc::incompatible, "coefficient CSV", "the motion is not made of ARKit coefficients", ""};
-  MIEN_TRY([[maybe_unused]] const auto checked, io::check_motion(motion, "coefficient CSV"));
-  std::vector<std::optional<std::int64_t>> columns;
-  std::vector<bool> used(motion.channels.size());
-  std::string line;
-  for (const std::string& name : arkit_order(ArkitOrder::said)) {
-    columns.push_back(motion.find(name));
-    if (columns.back()) used[static_cast<std::size_t>(*columns.back())] = true;
-    line += (line.empty() ? "" : ",") + name;
-  }
-  MIEN_TRY([[maybe_unused]] const auto header, sink(line + "\n"));
-  for (std::int64_t n = 0; n < motion.num_frames(); ++n) {
-    line.clear();
-    for (const auto& column : columns) {
-      if (!line.empty()) line += ',';
-      line += column ? numpy_text(motion.frame(n)[static_cast<std::size_t>(*column)]) : "0.0";
-    }
-    MIEN_TRY([[maybe_unused]] const auto row, sink(line + "\n"));
-  }
-  constexpr double kFps = 60;
-  Status status{Done{}};
-  std::vector<std::string> lost;
-  for (std::size_t c = 0; c < used.size(); ++c)
-    if (!used[c]) lost.push_back(motion.channels[c]);
-  if (!lost.empty())
-    status.warnings.push_back("channels that SAiD's CSV has no column for: " + io::listed(lost));
-  if (motion.fps != kFps)
-    status.warnings.push_back(
-        "SAiD's CSV states no rate and is taken for 60 frames a second; the motion has " +
-        fixed(motion.fps, 2));
-  return status;
+  return std::unique_ptr<FrameText>(std::make_unique<CoefficientText>(format));
+}
+
+Status write_coefficient_csv(const Motion& motion, const TextSink& sink) {
+  MIEN_TRY(const auto text, io::coefficient_text(motion));
+  return io::write_text(*text, motion, sink);
 }
 
 }  // namespace mien

@@ -17,21 +17,27 @@ float between(float a, float b, double weight) {
 
 }  // namespace
 
-Status check_motion(const Motion& motion, std::string_view writer) {
-  const auto width = static_cast<std::size_t>(motion.num_channels());
-  contract(width == 0 ? motion.values.empty() : motion.values.size() % width == 0,
-           "check_motion: the values are not whole frames");
-  if (!(motion.fps > 0) || !std::isfinite(motion.fps))
-    return Error{Errc::failed, std::string(writer), "the frame rate of the motion is not a positive number",
-                 ""};
-  for (std::size_t i = 0; i < motion.values.size(); ++i) {
-    if (std::isfinite(motion.values[i])) continue;
+Status check_frames(const Motion& format, std::int64_t first, std::span<const float> values,
+                    std::string_view writer) {
+  const auto width = static_cast<std::size_t>(format.num_channels());
+  contract(width == 0 ? values.empty() : values.size() % width == 0,
+           "check_frames: the values are not whole frames");
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (std::isfinite(values[i])) continue;
     return Error{Errc::failed, std::string(writer),
-                 "channel '" + motion.channel_name(static_cast<std::int64_t>(i % width)) +
-                     "' is not finite at frame " + std::to_string(i / width),
+                 "channel '" + format.channel_name(static_cast<std::int64_t>(i % width)) +
+                     "' is not finite at frame " +
+                     std::to_string(first + static_cast<std::int64_t>(i / width)),
                  ""};
   }
   return Done{};
+}
+
+Status check_motion(const Motion& motion, std::string_view writer) {
+  if (!(motion.fps > 0) || !std::isfinite(motion.fps))
+    return Error{Errc::failed, std::string(writer), "the frame rate of the motion is not a positive number",
+                 ""};
+  return check_frames(motion, 0, motion.values, writer);
 }
 
 KeyPosition find_key(const std::vector<double>& times, double time, double snap) {

@@ -1,4 +1,5 @@
 #pragma once
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -10,6 +11,9 @@ namespace mien::io {
 /// What every writer of motion needs: a positive rate, whole frames, finite numbers.
 /// Errors (Errc::failed), naming the frame and the channel. @pre whole frames
 Status check_motion(const Motion& motion, std::string_view writer);
+/// The same of frames of such a motion, the first of which is frame `first`. @param values  [n, C]
+Status check_frames(const Motion& format, std::int64_t first, std::span<const float> values,
+                    std::string_view writer);
 
 /// What a file may state as the rate of its motion, frames a second: seconds between frames, or a slip of the
 /// writer, would make hours of a few rows.

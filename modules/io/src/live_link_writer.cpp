@@ -3,7 +3,7 @@
 #include <numbers>
 #include <optional>
 
-#include "even_motion.h"
+#include "frame_text.h"
 #include "mien/base/number_text.h"
 #include "mien/core/arkit.h"
 #include "mien/io/live_link_csv.h"
@@ -28,50 +28,59 @@ void append_number(std::string& line, double value) {
   line += fixed(std::abs(value) < 0.5e-8 ? 0.0 : value, kDecimals);  // no "-0.00000000"
 }
 
-}  // namespace
+class LiveLinkText final : public FrameText {
+ public:
+  explicit LiveLinkText(const Motion& format) : fps_(format.fps), head_("Timecode,BlendShapeCount") {
+    std::vector<bool> used(format.channels.size());
+    const auto add = [&](const std::string& name, double factor) {
+      const auto channel = format.find(name);
+      if (channel) used[static_cast<std::size_t>(*channel)] = true;
+      columns_.push_back({channel, factor});
+      head_ += "," + capitalised(name);
+    };
+    for (const auto& name : arkit_order(ArkitOrder::live_link_csv)) add(name, 1);
+    for (const auto name : kRotationNames) add(std::string(name), std::numbers::pi / 180);
+    head_ += "\n";
+    for (std::size_t c = 0; c < used.size(); ++c)
+      if (!used[c]) lost_.push_back(format.channels[c]);
+  }
+  [[nodiscard]] std::string_view name() const override { return "Live Link CSV"; }
+  [[nodiscard]] std::string head() const override { return head_; }
+  void append(std::string& text, std::int64_t n, std::span<const float> frame) const override {
+    text += timecode_text(n, fps_) + "," + std::to_string(columns_.size());
+    for (const Column& column : columns_)
+      append_number(text,
+                    column.channel ? column.factor * frame[static_cast<std::size_t>(*column.channel)] : 0.0);
+    text += "\n";
+  }
+  [[nodiscard]] std::vector<std::string> warnings() const override {
+    if (lost_.empty()) return {};
+    return {"channels that Live Link CSV has no column for: " + listed(lost_)};
+  }
 
-Status write_live_link_csv(const Motion& motion, const TextSink& sink) {
-  if (motion.space != MotionSpace::arkit)
-    return Error{Errc::incompatible, "Live Link CSV", "the motion is not made of ARKit coefficients", ""};
-  MIEN_TRY([[maybe_unused]] const auto checked, check_motion(motion, "Live Link CSV"));
-
-  // Columns of the file: index in the motion and the factor that turns its unit into the file's.
+ private:
+  // Index in the motion and the factor that turns its unit into the file's.
   struct Column {
     std::optional<std::int64_t> channel;
     double factor = 1;
   };
-  std::vector<Column> columns;
-  std::vector<bool> used(motion.channels.size());
-  std::string line = "Timecode,BlendShapeCount";
-  const auto add = [&](const std::string& name, double factor) {
-    const auto channel = motion.find(name);
-    if (channel) used[static_cast<std::size_t>(*channel)] = true;
-    columns.push_back({channel, factor});
-    line += "," + capitalised(name);
-  };
-  for (const auto& name : arkit_order(ArkitOrder::live_link_csv)) add(name, 1);
-  for (const auto name : kRotationNames) add(std::string(name), std::numbers::pi / 180);
-  line += "\n";
-  MIEN_TRY([[maybe_unused]] const auto header, sink(line));
+  double fps_;
+  std::string head_;
+  std::vector<Column> columns_;
+  std::vector<std::string> lost_;
+};
 
-  const std::string count = "," + std::to_string(columns.size());
-  for (std::int64_t n = 0; n < motion.num_frames(); ++n) {
-    line = timecode_text(n, motion.fps) + count;
-    const auto frame = motion.frame(n);
-    for (const Column& column : columns)
-      append_number(line,
-                    column.channel ? column.factor * frame[static_cast<std::size_t>(*column.channel)] : 0.0);
-    line += "\n";
-    MIEN_TRY([[maybe_unused]] const auto row, sink(line));
-  }
+}  // namespace
 
-  Status status{Done{}};
-  std::vector<std::string> lost;
-  for (std::size_t c = 0; c < used.size(); ++c)
-    if (!used[c]) lost.push_back(motion.channels[c]);
-  if (!lost.empty())
-    status.warnings.push_back("channels that Live Link CSV has no column for: " + listed(lost));
-  return status;
+Result<std::unique_ptr<io::FrameText>> io::live_link_text(const Motion& format) {
+  if (format.space != MotionSpace::arkit)
+    return Error{Errc::incompatible, "Live Link CSV", "the motion is not made of ARKit coefficients", ""};
+  return std::unique_ptr<FrameText>(std::make_unique<LiveLinkText>(format));
+}
+
+Status write_live_link_csv(const Motion& motion, const TextSink& sink) {
+  MIEN_TRY(const auto text, live_link_text(motion));
+  return write_text(*text, motion, sink);
 }
 
 Result<std::string> live_link_csv(const Motion& motion) {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <optional>
 
-#include "even_motion.h"
+#include "frame_text.h"
 #include "mien/base/contract.h"
 #include "mien/base/number_text.h"
 #include "mien/core/arkit.h"
@@ -31,34 +31,53 @@ std::string metahuman_timecode(std::int64_t n, double fps) {
          padded(fixed(part, 3), 6);
 }
 
-Status write_metahuman_csv(const Motion& motion, const TextSink& sink) {
-  if (motion.space != MotionSpace::arkit)
+namespace {
+
+class MetahumanText final : public io::FrameText {
+ public:
+  explicit MetahumanText(const Motion& format) : fps_(format.fps), head_("Timecode,BlendShapeCount") {
+    std::vector<bool> used(format.channels.size());
+    for (std::string name : arkit_order(ArkitOrder::beat)) {
+      columns_.push_back(format.find(name));
+      if (columns_.back()) used[static_cast<std::size_t>(*columns_.back())] = true;
+      name[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(name[0])));
+      head_ += "," + name;
+    }
+    head_ += "\n";
+    for (std::size_t c = 0; c < used.size(); ++c)
+      if (!used[c]) lost_.push_back(format.channels[c]);
+  }
+  [[nodiscard]] std::string_view name() const override { return "MetaHuman CSV"; }
+  [[nodiscard]] std::string head() const override { return head_; }
+  void append(std::string& text, std::int64_t n, std::span<const float> frame) const override {
+    text += metahuman_timecode(n, fps_) + "," + std::to_string(columns_.size());
+    for (const auto& column : columns_)
+      text += "," + (column ? shortest(frame[static_cast<std::size_t>(*column)]) : std::string("0"));
+    text += "\n";
+  }
+  [[nodiscard]] std::vector<std::string> warnings() const override {
+    if (lost_.empty()) return {};
+    return {"channels that MetaHuman CSV has no column for: " + io::listed(lost_)};
+  }
+
+ private:
+  double fps_;
+  std::string head_;
+  std::vector<std::optional<std::int64_t>> columns_;  // of the file, by index in the motion
+  std::vector<std::string> lost_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<io::FrameText>> io::metahuman_text(const Motion& format) {
+  if (format.space != MotionSpace::arkit)
     return Error{Errc::incompatible, "MetaHuman CSV", "the motion is not made of ARKit coefficients", ""};
-  MIEN_TRY([[maybe_unused]] const auto checked, io::check_motion(motion, "MetaHuman CSV"));
-  std::vector<std::optional<std::int64_t>> columns;
-  std::vector<bool> used(motion.channels.size());
-  std::string line = "Timecode,BlendShapeCount";
-  for (std::string name : arkit_order(ArkitOrder::beat)) {
-    columns.push_back(motion.find(name));
-    if (columns.back()) used[static_cast<std::size_t>(*columns.back())] = true;
-    name[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(name[0])));
-    line += "," + name;
-  }
-  MIEN_TRY([[maybe_unused]] const auto header, sink(line + "\n"));
-  for (std::int64_t n = 0; n < motion.num_frames(); ++n) {
-    line = metahuman_timecode(n, motion.fps) + "," + std::to_string(columns.size());
-    for (const auto& column : columns)
-      line +=
-          "," + (column ? shortest(motion.frame(n)[static_cast<std::size_t>(*column)]) : std::string("0"));
-    MIEN_TRY([[maybe_unused]] const auto row, sink(line + "\n"));
-  }
-  Status status{Done{}};
-  std::vector<std::string> lost;
-  for (std::size_t c = 0; c < used.size(); ++c)
-    if (!used[c]) lost.push_back(motion.channels[c]);
-  if (!lost.empty())
-    status.warnings.push_back("channels that MetaHuman CSV has no column for: " + io::listed(lost));
-  return status;
+  return std::unique_ptr<FrameText>(std::make_unique<MetahumanText>(format));
+}
+
+Status write_metahuman_csv(const Motion& motion, const TextSink& sink) {
+  MIEN_TRY(const auto text, io::metahuman_text(motion));
+  return io::write_text(*text, motion, sink);
 }
 
 }  // namespace mien

@@ -5,14 +5,12 @@
 #include <cctype>
 #include <cmath>
 
-#include "even_motion.h"
 #include "mien/base/file.h"
 #include "mien/core/arkit.h"
 #include "mien/core/rig_controls.h"
-#include "mien/io/coefficient_csv.h"
 #include "mien/io/live_link_csv.h"
-#include "mien/io/metahuman_csv.h"
 #include "mien/io/motion_json.h"
+#include "mien/io/motion_writer.h"
 #include "mien/io/npy.h"
 
 namespace mien {
@@ -32,33 +30,6 @@ Error unknown_extension(const std::filesystem::path& path) {
   for (const auto extension : kExtensions) known += (known.empty() ? "" : ", ") + std::string(extension);
   return {Errc::usage, "'" + path.string() + "'",
           "no motion format has the extension '" + path.extension().string() + "'", "Use one of " + known};
-}
-
-// Collects small pieces of text into blocks for the disk.
-Status write_text(const std::filesystem::path& path, const std::function<Status(const TextSink&)>& write) {
-  constexpr std::size_t kBlock = 1 << 20;
-  MIEN_TRY(auto file, AtomicFile::create(path));
-  std::string block;
-  auto status = write([&](std::string_view piece) -> Status {
-    block += piece;
-    if (block.size() < kBlock) return Done{};
-    auto written = file.write(as_bytes(block));
-    block.clear();
-    return written;
-  });
-  if (!status) return status;
-  MIEN_TRY([[maybe_unused]] const auto rest, file.write(as_bytes(block)));
-  MIEN_TRY([[maybe_unused]] const auto done, file.commit());
-  return status;
-}
-
-Status write_npy_file(const std::filesystem::path& path, const Motion& motion) {
-  MIEN_TRY([[maybe_unused]] const auto checked, io::check_motion(motion, ".npy file"));
-  MIEN_TRY(auto file, AtomicFile::create(path));
-  const std::array<std::int64_t, 2> shape = {motion.num_frames(), motion.num_channels()};
-  MIEN_TRY([[maybe_unused]] const auto header, file.write(npy_header(shape)));
-  MIEN_TRY([[maybe_unused]] const auto data, file.write(std::as_bytes(std::span(motion.values))));
-  return file.commit();
 }
 
 Status write_glb_file(const std::filesystem::path& path, const Motion& motion, const MotionContext& context) {
@@ -138,18 +109,12 @@ Result<Motion> read_known(const std::filesystem::path& path, const std::string& 
 std::span<const std::string_view> motion_extensions() { return kExtensions; }
 
 Status write_motion(const std::filesystem::path& path, const Motion& motion, const MotionContext& context) {
-  const std::string extension = lower_extension(path);
-  if (path.filename().string().ends_with(".metahuman.csv"))
-    return write_text(path, [&](const TextSink& sink) { return write_metahuman_csv(motion, sink); });
-  if (path.filename().string().ends_with(".said.csv"))
-    return write_text(path, [&](const TextSink& sink) { return write_coefficient_csv(motion, sink); });
-  if (extension == ".csv")
-    return write_text(path, [&](const TextSink& sink) { return write_live_link_csv(motion, sink); });
-  if (extension == ".json")
-    return write_text(
-        path, [&](const TextSink& sink) { return write_motion_json(motion, context.audio_name, sink); });
-  if (extension == ".npy") return write_npy_file(path, motion);
-  if (extension == ".glb") return write_glb_file(path, motion, context);
+  if (MotionWriter::can_write(path)) {
+    MIEN_TRY(MotionWriter writer, MotionWriter::create(path, motion, context.audio_name));
+    MIEN_TRY([[maybe_unused]] const auto added, writer.add(motion.values));
+    return writer.finish();
+  }
+  if (lower_extension(path) == ".glb") return write_glb_file(path, motion, context);
   return unknown_extension(path);
 }
 

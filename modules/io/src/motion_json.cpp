@@ -4,6 +4,7 @@
 #include <set>
 
 #include "even_motion.h"
+#include "frame_text.h"
 #include "json_access.h"
 #include "mien/base/number_text.h"
 #include "mien/core/arkit.h"
@@ -112,34 +113,46 @@ Result<Motion> read_audio2face(const Json& json) {
   return result;
 }
 
-}  // namespace
-
-Status write_motion_json(const Motion& motion, std::string_view audio_name, const TextSink& sink) {
-  MIEN_TRY([[maybe_unused]] const auto checked, check_motion(motion, "motion JSON"));
-  std::string_view space;
-  for (const auto& [value, name] : kSpaces)
-    if (value == motion.space) space = name;
-  std::string text = "{\"mien_motion\": " + std::to_string(kVersion) + ", \"space\": \"" +
-                     std::string(space) + "\", \"fps\": " + json_text(motion.fps);
-  if (!audio_name.empty()) text += ", \"audio\": " + json_text(std::string(audio_name));
-  if (motion.space == MotionSpace::vertices)
-    text += ",\n\"topology\": {\"name\": " + json_text(motion.topology.name) +
-            ", \"vertices\": " + std::to_string(motion.topology.num_vertices) + "}";
-  else
-    text += ",\n\"channels\": " + json_text(motion.channels);
-  text += ",\n\"frames\": [";
-  for (std::int64_t n = 0; n < motion.num_frames(); ++n) {
+class JsonText final : public FrameText {
+ public:
+  JsonText(const Motion& format, std::string_view audio_name) {
+    std::string_view space;
+    for (const auto& [value, name] : kSpaces)
+      if (value == format.space) space = name;
+    head_ = "{\"mien_motion\": " + std::to_string(kVersion) + ", \"space\": \"" + std::string(space) +
+            "\", \"fps\": " + json_text(format.fps);
+    if (!audio_name.empty()) head_ += ", \"audio\": " + json_text(std::string(audio_name));
+    if (format.space == MotionSpace::vertices)
+      head_ += ",\n\"topology\": {\"name\": " + json_text(format.topology.name) +
+               ", \"vertices\": " + std::to_string(format.topology.num_vertices) + "}";
+    else
+      head_ += ",\n\"channels\": " + json_text(format.channels);
+    head_ += ",\n\"frames\": [";
+  }
+  [[nodiscard]] std::string_view name() const override { return "motion JSON"; }
+  [[nodiscard]] std::string head() const override { return head_; }
+  void append(std::string& text, std::int64_t n, std::span<const float> frame) const override {
     text += n == 0 ? "\n[" : ",\n[";
-    const auto frame = motion.frame(n);
     for (std::size_t c = 0; c < frame.size(); ++c) {
       if (c > 0) text += ',';
       text += shortest(frame[c]);
     }
     text += ']';
-    MIEN_TRY([[maybe_unused]] const auto sent, sink(text));
-    text.clear();
   }
-  return sink(text + "\n]}\n");
+  [[nodiscard]] std::string_view tail() const override { return "\n]}\n"; }
+
+ private:
+  std::string head_;
+};
+
+}  // namespace
+
+std::unique_ptr<FrameText> io::motion_json_text(const Motion& format, std::string_view audio_name) {
+  return std::make_unique<JsonText>(format, audio_name);
+}
+
+Status write_motion_json(const Motion& motion, std::string_view audio_name, const TextSink& sink) {
+  return write_text(*motion_json_text(motion, audio_name), motion, sink);
 }
 
 Result<std::string> motion_json(const Motion& motion, std::string_view audio_name) {

@@ -12,6 +12,7 @@ constexpr char kMagic[] = "\x93NUMPY";
 constexpr std::size_t kMagicSize = 6;
 constexpr std::size_t kAlignment = 64;
 constexpr std::size_t kMaxHeader = 1 << 20;
+constexpr std::size_t kMaxDigits = 21;
 
 Error bad(std::string why) { return {Errc::input, ".npy file", std::move(why), ""}; }
 
@@ -101,6 +102,8 @@ Bytes npy_header(std::span<const std::int64_t> shape) {
     if (i + 1 < shape.size() || shape.size() == 1) text += i + 1 < shape.size() ? ", " : ",";
   }
   text += "), }";
+  // Room for any number of rows, as NumPy leaves it: an array can grow without its header.
+  if (!shape.empty()) text.append(kMaxDigits - std::to_string(shape[0]).size(), ' ');
   const std::size_t before = kMagicSize + 4;  // magic, version, length
   while ((before + text.size() + 1) % kAlignment != 0) text += ' ';
   text += '\n';

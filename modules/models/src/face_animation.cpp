@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "face_parts.h"
+#include "mien/base/parallel.h"
 #include "mien/models/alignment.h"
 #include "mien/models/facediffuser/frame_diffusion.h"
 #include "mien/models/seeds.h"
@@ -72,6 +73,18 @@ void unscale(const ModelFile& description, Tensor& frames) {
       row[c] = static_cast<float>((static_cast<double>(row[c]) - description.scaler->min[c]) /
                                   description.scaler->scale[c]);
   }
+}
+
+// Gives each take its frames. The first take with an error speaks.
+Status hand_out(int num_takes, int num_threads, const FrameSink& sink,
+                const std::function<std::span<const float>(int take)>& frames_of) {
+  std::vector<Status> taken(static_cast<std::size_t>(num_takes), Status(Done{}));
+  parallel_for(num_threads, num_takes, [&](std::int64_t take) {
+    taken[static_cast<std::size_t>(take)] = sink(static_cast<int>(take), frames_of(static_cast<int>(take)));
+  });
+  for (auto& status : taken)
+    if (!status) return status;
+  return Done{};
 }
 
 // Makes frames from aligned features [count, f H], block after block.
@@ -180,46 +193,42 @@ Result<MakeFrames> diffusing(const FaceModel::Parts& model, const Conditions& gi
   }
   work->diffusion.emplace(model.folded, process, facediffuser::Walk{options.sampler, options.skip},
                           std::move(lanes), num_threads);
-  return MakeFrames([&model, &sink, work, num_takes](const Tensor& speech) -> Status {
+  return MakeFrames([&model, &sink, work, num_takes, num_threads](const Tensor& speech) -> Status {
     const std::vector<Tensor> same(static_cast<std::size_t>(num_takes), speech);
     std::vector<Tensor> frames = work->diffusion->next(same);
-    for (int take = 0; take < num_takes; ++take) {
+    return hand_out(num_takes, num_threads, sink, [&](int take) -> std::span<const float> {
       Tensor& own = frames[static_cast<std::size_t>(take)];
       unscale(model.description, own);
-      const Status status = sink(take, own.values());
-      if (!status) return status.error();
-    }
-    return Done{};
+      return own.values();
+    });
   });
 }
 
-MakeFrames predicting(const FaceModel::Parts& model, const Conditions& given, int num_takes,
+MakeFrames predicting(const FaceModel::Parts& model, const Conditions& given, int num_takes, int num_threads,
                       const FrameSink& sink) {
   const auto& sizes = model.facexhubert->sizes;
   const Tensor subject = Operations<Tensor>::one_hot({}, given.style, sizes.num_subjects);
   const Tensor emotion = Operations<Tensor>::one_hot({}, given.emotion, sizes.num_emotions);
   const auto past = std::make_shared<std::vector<Tensor>>();
-  return [&model, &sink, subject, emotion, neutral = given.neutral, past,
-          num_takes](const Tensor& speech) -> Status {
+  return [&model, &sink, subject, emotion, neutral = given.neutral, past, num_takes,
+          num_threads](const Tensor& speech) -> Status {
     const Tensor frames = (*model.facexhubert)(speech, subject, emotion, neutral, past.get());
-    for (int take = 0; take < num_takes; ++take) {  // it has no randomness: takes are equal
-      const Status status = sink(take, frames.values());
-      if (!status) return status.error();
-    }
-    return Done{};
+    // It has no randomness: takes are equal.
+    return hand_out(num_takes, num_threads, sink, [&](int) { return frames.values(); });
   };
 }
 
 }  // namespace
 
-Status animate(const FaceModel& model, const AudioClip& clip, const FaceOptions& options, int num_takes,
+Status animate(const FaceModel& model, SampleSource& speech, const FaceOptions& options, int num_takes,
                int num_threads, Progress& progress, const FrameSink& sink) {
-  contract(clip.sample_rate_hz == kModelSampleRateHz, "animate: the clip must be at 16 kHz");
   contract(num_takes >= 1, "animate: at least one take is needed");
   const FaceModel::Parts& parts = model.parts();
   MIEN_TRY(const Conditions given, conditions(parts, options));
   const double fps = parts.description.output.fps;
-  const auto num_samples = static_cast<std::int64_t>(clip.samples.size());
+  progress.stage("hearing", 0);
+  MIEN_TRY(const SpeechStatistics heard, parts.encoder.hear(speech));
+  const std::int64_t num_samples = heard.samples.num_samples();
   const std::int64_t num_features = parts.encoder.config().num_frames(num_samples);
   const bool is_diffusion = parts.facexhubert == nullptr;
   const Alignment alignment = align_features(
@@ -232,14 +241,14 @@ Status animate(const FaceModel& model, const AudioClip& clip, const FaceOptions&
   if (is_diffusion) {
     MIEN_TRY(make, diffusing(parts, given, options, num_takes, num_threads, sink));
   } else {
-    make = predicting(parts, given, num_takes, sink);
+    make = predicting(parts, given, num_takes, num_threads, sink);
   }
   progress.stage("encoding", 0);
   FeatureFeed feed(alignment, num_features, std::move(make), progress);
   const EncodeOptions encoding{
       .num_threads = num_threads, .num_frames = 0, .windows = options.windows, .on_hidden = {}};
   bool is_first = true;
-  const Status encoded = parts.encoder.encode(clip.samples, encoding, [&](const Tensor& features) {
+  const Status encoded = parts.encoder.encode(speech, heard, encoding, [&](const Tensor& features) {
     if (std::exchange(is_first, false)) progress.stage("animating", alignment.num_frames);
     if (feed.status()) feed.push(features);
   });
@@ -251,8 +260,10 @@ Status animate(const FaceModel& model, const AudioClip& clip, const FaceOptions&
 
 Result<std::vector<Motion>> animate(const FaceModel& model, const AudioClip& clip, const FaceOptions& options,
                                     int num_takes, int num_threads, Progress& progress) {
+  contract(clip.sample_rate_hz == kModelSampleRateHz, "animate: the clip must be at 16 kHz");
+  SamplesInMemory speech(clip.samples);
   std::vector<Motion> motions(static_cast<std::size_t>(std::max(num_takes, 1)), model.empty_motion());
-  const Status status = animate(model, clip, options, num_takes, num_threads, progress,
+  const Status status = animate(model, speech, options, num_takes, num_threads, progress,
                                 [&](int take, std::span<const float> values) -> Status {
                                   auto& own = motions[static_cast<std::size_t>(take)].values;
                                   own.insert(own.end(), values.begin(), values.end());

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -208,15 +209,66 @@ TEST_P(FastEncoder, RefusesSoundThatIsNone) {
   EXPECT_THROW((void)fast_.encode(sound(2000), backwards), std::logic_error);
 }
 
-TEST(PatchStatistics, AreThoseOfThePatches) {
+TEST_P(FastEncoder, ReadsASourceTwiceForTheSameBits) {
+  const auto samples = sound(30000);
+  for (const EncoderWindows windows : {EncoderWindows{}, {17, 5, 9}, {40, 0, 0}}) {
+    EncodeOptions options;
+    options.windows = windows;
+    const Tensor in_memory = fast(samples, options);
+    SamplesInMemory speech(samples);
+    const auto heard = fast_.hear(speech);
+    ASSERT_TRUE(heard);
+    std::vector<float> got;
+    ASSERT_TRUE(fast_.encode(speech, *heard, options, [&](const Tensor& h) {
+      got.insert(got.end(), h.values().begin(), h.values().end());
+    }));
+    EXPECT_TRUE(std::ranges::equal(got, in_memory.values()));
+    SamplesInMemory shorter{std::span(samples).first(20000)};
+    const Status cut = fast_.encode(shorter, *heard, options, [](const Tensor&) {});
+    ASSERT_FALSE(cut);
+    EXPECT_THAT(cut.error().message(), testing::HasSubstr("became shorter"));
+  }
+}
+
+TEST(PatchSums, AreThoseOfThePatches) {
   const std::vector<float> samples = {1, 2, 4, 8, 16, 32, 64};  // patches (1 2 4), (4 8 16), (16 32 64)
-  const auto s = speech_encoder::patch_statistics(samples, 3, 2);
-  EXPECT_THAT(s.mean, testing::ElementsAre(7.0, 14.0, 28.0));
-  EXPECT_DOUBLE_EQ(s.covariance[0], (36.0 + 9 + 81) / 3);
-  EXPECT_DOUBLE_EQ(s.covariance[1], 2 * s.covariance[0]);
-  EXPECT_DOUBLE_EQ(s.covariance[8], 16 * s.covariance[0]);
-  EXPECT_DOUBLE_EQ(s.covariance[5], s.covariance[7]);
-  EXPECT_THROW((void)speech_encoder::patch_statistics({samples.data(), 2}, 3, 2), std::logic_error);
+  for (const std::size_t piece : {1u, 2u, 3u, 7u}) {
+    PatchSums sums(3, 2);
+    for (std::size_t at = 0; at < samples.size(); at += piece)
+      sums.add(std::span(samples).subspan(at, std::min(piece, samples.size() - at)));
+    const auto s = sums.statistics();
+    EXPECT_THAT(s.mean, testing::ElementsAre(7.0, 14.0, 28.0));
+    EXPECT_DOUBLE_EQ(s.covariance[0], (36.0 + 9 + 81) / 3);
+    EXPECT_DOUBLE_EQ(s.covariance[1], 2 * s.covariance[0]);
+    EXPECT_DOUBLE_EQ(s.covariance[8], 16 * s.covariance[0]);
+    EXPECT_DOUBLE_EQ(s.covariance[5], s.covariance[7]);
+    PatchSums apart(2, 3);  // (1 2), (8 16): a stride beyond the kernel
+    for (std::size_t at = 0; at < samples.size(); at += piece)
+      apart.add(std::span(samples).subspan(at, std::min(piece, samples.size() - at)));
+    EXPECT_THAT(apart.statistics().mean, testing::ElementsAre(4.5, 9.0));
+    EXPECT_EQ(apart.num_samples(), 7);
+  }
+  PatchSums few(3, 2);
+  few.add(std::span(samples).first(2));
+  EXPECT_THROW((void)few.statistics(), std::logic_error);
+}
+
+TEST(PatchSums, AnOffsetCostsNoPrecision) {
+  std::vector<float> samples = sound(50000);
+  for (float& x : samples) x = 1000 + 1e-3f * std::round(x * 100);
+  PatchSums sums(1, 1);
+  sums.add(samples);
+  double mean = 0, variance = 0;
+  for (const float x : samples) mean += x;
+  mean /= static_cast<double>(samples.size());
+  for (const float x : samples) variance += (x - mean) * (x - mean);
+  variance /= static_cast<double>(samples.size());
+  EXPECT_NEAR(sums.statistics().mean[0], mean, 1e-9);
+  EXPECT_NEAR(sums.statistics().covariance[0] / variance, 1, 1e-9);
+  const std::vector<float> constant(1000, 0.7f);
+  PatchSums silent(1, 1);
+  silent.add(constant);
+  EXPECT_EQ(silent.statistics().covariance[0], 0);
 }
 
 }  // namespace

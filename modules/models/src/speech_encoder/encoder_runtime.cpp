@@ -21,6 +21,48 @@ Backend backend_of(EncoderPrecision precision) {
   return Backend::rowwise;
 }
 
+namespace {
+
+constexpr std::size_t kReadSamples = 1 << 14;  // at a time, 1 s
+
+// The part of the speech that a window needs, normalised. Parts begin in rising order.
+class SlidingSamples {
+ public:
+  SlidingSamples(SampleSource& speech, WaveformScale scale) : speech_(speech), scale_(scale) {}
+
+  // Samples first ... first + count - 1; valid until the next call.
+  Result<std::span<const float>> slide(std::int64_t first, std::int64_t count) {
+    while (first_ + static_cast<std::int64_t>(samples_.size()) < first + count) {
+      drop_before(first);
+      const std::size_t held = samples_.size();
+      const auto missing = static_cast<std::size_t>(first + count - first_) - held;
+      samples_.resize(held + std::min(missing, kReadSamples));
+      const std::span<float> block = std::span(samples_).subspan(held);
+      MIEN_TRY(const std::size_t num_read, speech_.read(block));
+      if (num_read < block.size())
+        return Error{Errc::input, "speech", "became shorter while it was read", "Try again"};
+      for (float& x : block) x = scale_(x);
+    }
+    drop_before(first);
+    return std::span<const float>(samples_).first(static_cast<std::size_t>(count));
+  }
+
+ private:
+  void drop_before(std::int64_t first) {
+    const std::int64_t count =
+        std::clamp<std::int64_t>(first - first_, 0, static_cast<std::int64_t>(samples_.size()));
+    samples_.erase(samples_.begin(), samples_.begin() + count);
+    first_ += count;
+  }
+
+  SampleSource& speech_;
+  WaveformScale scale_;
+  std::vector<float> samples_;
+  std::int64_t first_ = 0;  // of samples_
+};
+
+}  // namespace
+
 bool encoder_precision_available(EncoderPrecision precision) {
   return backend_available(backend_of(precision));
 }
@@ -72,21 +114,46 @@ Result<Tensor> EncoderRuntime::encode(std::span<const float> samples, const Enco
 
 Status EncoderRuntime::encode(std::span<const float> samples, const EncodeOptions& options,
                               const std::function<void(const Tensor&)>& sink) const {
+  SamplesInMemory speech(samples);
+  MIEN_TRY(const SpeechStatistics heard, hear(speech));
+  return encode(speech, heard, options, sink);
+}
+
+Result<SpeechStatistics> EncoderRuntime::hear(SampleSource& speech) const {
+  const EncoderConfig& config = state_->config;
+  SpeechStatistics heard{.patches = PatchSums(config.conv_kernel[0], config.conv_stride[0])};
+  MIEN_TRY([[maybe_unused]] const auto start, speech.rewind());
+  std::vector<float> block(kReadSamples);
+  for (;;) {
+    MIEN_TRY(const std::size_t count, speech.read(block));
+    heard.add(std::span(block).first(count));
+    if (count < block.size()) break;
+  }
+  const std::int64_t num_samples = heard.samples.num_samples();
+  if (config.num_frames(num_samples) == 0)
+    return Error{Errc::input, "speech",
+                 "has " + std::to_string(num_samples) + " samples, the encoder needs at least " +
+                     std::to_string(config.receptive_field()) + " at 16 kHz",
+                 "Use a longer recording"};
+  if (!std::isfinite(heard.samples.statistics().covariance[0]))
+    return Error{Errc::input, "speech", "holds samples that are not finite numbers", ""};
+  return heard;
+}
+
+Status EncoderRuntime::encode(SampleSource& speech, const SpeechStatistics& heard,
+                              const EncodeOptions& options,
+                              const std::function<void(const Tensor&)>& sink) const {
   const EncoderConfig& config = state_->config;
   const EncoderWindows& windows = options.windows;
   contract(windows.frames >= 0 && windows.left >= 0 && windows.right >= 0 && options.num_frames >= 0,
            "EncoderRuntime: windows and frames must not be negative");
-  const std::int64_t length = config.num_frames(static_cast<std::int64_t>(samples.size()));
-  if (length == 0)
-    return Error{Errc::input, "speech",
-                 "has " + std::to_string(samples.size()) + " samples, the encoder needs at least " +
-                     std::to_string(config.receptive_field()) + " at 16 kHz",
-                 "Use a longer recording"};
-  if (!std::ranges::all_of(samples, [](float x) { return std::isfinite(x); }))
-    return Error{Errc::input, "speech", "holds samples that are not finite numbers", ""};
-  std::vector<float> normalised(samples.begin(), samples.end());
-  if (config.do_normalize) normalise_waveform(normalised, config.normalise_eps);
-  const auto first_layer = state_->convolutions.fold(normalised);
+  const std::int64_t length = config.num_frames(heard.samples.num_samples());
+  contract(length > 0, "EncoderRuntime: hear() accepted no such speech");
+  const WaveformScale scale =
+      config.do_normalize ? heard.normalisation(config.normalise_eps) : WaveformScale();
+  const auto first_layer = state_->convolutions.fold(heard.scaled_patches(scale));
+  MIEN_TRY([[maybe_unused]] const auto start, speech.rewind());
+  SlidingSamples samples(speech, scale);
 
   const bool interpolated = options.num_frames > 0;
   const std::int64_t total = interpolated ? options.num_frames : length;
@@ -107,9 +174,11 @@ Status EncoderRuntime::encode(std::span<const float> samples, const EncodeOption
       source_end = std::min(static_cast<std::int64_t>(local.back()) + 2, length);
       for (double& p : local) p -= static_cast<double>(source);
     }
-    Tensor x = Tensor::uninitialized({source_end - source, config.conv_dim.back()});
-    state_->convolutions.run(normalised, first_layer, source, source_end - source, x.data(),
-                             options.num_threads);
+    const std::int64_t count = source_end - source;
+    MIEN_TRY(const std::span<const float> heard_now,
+             samples.slide(source * config.hop(), (count - 1) * config.hop() + config.receptive_field()));
+    Tensor x = Tensor::uninitialized({count, config.conv_dim.back()});
+    state_->convolutions.run(heard_now, first_layer, 0, count, x.data(), options.num_threads);
     if (interpolated) x = interpolate_rows(x, local);
     Tensor h = state_->layers.run(std::move(x), options.num_threads, whole ? options.on_hidden : nullptr);
     sink(whole ? std::move(h) : rows(h, begin - first, end - begin));

@@ -21,29 +21,6 @@ std::span<float> rows_of(float* data, std::int64_t first, std::int64_t count, st
 
 }  // namespace
 
-PatchStatistics patch_statistics(std::span<const float> samples, std::int64_t kernel, std::int64_t stride) {
-  const auto size = static_cast<std::size_t>(kernel), step = static_cast<std::size_t>(stride);
-  contract(samples.size() >= size, "patch_statistics: fewer samples than the kernel");
-  const std::size_t count = (samples.size() - size) / step + 1;
-  PatchStatistics s{std::vector<double>(size), std::vector<double>(size * size)};
-  for (std::size_t n = 0; n < count; ++n)
-    for (std::size_t j = 0; j < size; ++j) s.mean[j] += samples[n * step + j];
-  for (double& m : s.mean) m /= static_cast<double>(count);
-  std::vector<double> centred(size);
-  for (std::size_t n = 0; n < count; ++n) {
-    for (std::size_t j = 0; j < size; ++j) centred[j] = samples[n * step + j] - s.mean[j];
-    for (std::size_t j = 0; j < size; ++j)
-      for (std::size_t k = 0; k <= j; ++k) s.covariance[j * size + k] += centred[j] * centred[k];
-  }
-  for (std::size_t j = 0; j < size; ++j) {
-    for (std::size_t k = 0; k <= j; ++k) {
-      s.covariance[j * size + k] /= static_cast<double>(count);
-      s.covariance[k * size + j] = s.covariance[j * size + k];
-    }
-  }
-  return s;
-}
-
 FastConvolutions::FastConvolutions(const EncoderConfig& config,
                                    std::vector<EncoderConvLayer<PlainWeights>>& layers, Backend backend)
     : config_(config) {
@@ -59,10 +36,9 @@ FastConvolutions::FastConvolutions(const EncoderConfig& config,
   }
 }
 
-FastConvolutions::First FastConvolutions::fold(std::span<const float> samples) const {
+FastConvolutions::First FastConvolutions::fold(const PatchStatistics& s) const {
   if (config_.conv_layer_norm) return {PackedMatrix(first_weight_), layers_[0].bias};
-  const std::int64_t channels = config_.conv_dim[0], kernel = config_.conv_kernel[0];
-  const PatchStatistics s = patch_statistics(samples, kernel, config_.conv_stride[0]);
+  const std::int64_t channels = config_.conv_dim[0];
   Tensor weight = first_weight_;
   Tensor bias({channels});
   for (std::int64_t c = 0; c < channels; ++c) {

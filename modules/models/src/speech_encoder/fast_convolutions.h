@@ -8,13 +8,6 @@
 
 namespace mien::speech_encoder {
 
-/// Mean [K] and covariance [K, K] of all runs of K samples that a convolution sees.
-struct PatchStatistics {
-  std::vector<double> mean, covariance;
-};
-/// @pre samples.size() >= kernel
-PatchStatistics patch_statistics(std::span<const float> samples, std::int64_t kernel, std::int64_t stride);
-
 /// The seven convolutions of an encoder, packed. Rows are time, so that the window of an output is one run of
 /// numbers and a convolution is a matrix product over overlapping rows, without copies.
 ///
@@ -28,12 +21,12 @@ class FastConvolutions {
   FastConvolutions(const EncoderConfig& config, std::vector<EncoderConvLayer<PlainWeights>>& layers,
                    Backend backend);
 
-  /// The first convolution with the norm of one clip folded in.
+  /// The first convolution with the norm of one clip folded in: `patches` are those of its samples.
   struct First {
     PackedMatrix weight;
     Tensor bias;
   };
-  [[nodiscard]] First fold(std::span<const float> samples) const;
+  [[nodiscard]] First fold(const PatchStatistics& patches) const;
 
   /// Frames first ... first + count - 1 of a clip -> out [count, C]. The result does not depend on the number
   /// of threads, and with Backend::rowwise not on where the tiles begin.

@@ -1,4 +1,6 @@
 #pragma once
+#include <string_view>
+
 #include "mien/base/error.h"
 #include "mien/console/console_progress.h"
 
@@ -7,8 +9,11 @@ namespace mien {
 /// 1 failed, 2 wrong usage, 3 input missing or unreadable, 4 things do not fit together, 130 interrupted.
 int exit_code(Errc code);
 
-/// Prints "error: what: why" and the fix on stderr (or a failure event) and returns the exit code.
-int report_error(const Error& error, ConsoleProgress& progress);
+/// Prints "error: what: why" and the fix on stderr, or the event, and returns the exit code. An error that is
+/// not the end of the program has another event than "failure", and says with `fields` ("\"input\":...,")
+/// whose it is.
+int report_error(const Error& error, ConsoleProgress& progress, std::string_view event = "failure",
+                 std::string_view fields = "");
 
 /// From now on Ctrl-C cancels `progress`; a second one ends the program at once.
 void cancel_on_interrupt(Progress& progress);

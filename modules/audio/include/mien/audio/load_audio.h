@@ -9,6 +9,7 @@
 
 #include "mien/base/result.h"
 #include "mien/core/audio_clip.h"
+#include "mien/core/sample_source.h"
 
 namespace mien {
 
@@ -28,7 +29,7 @@ struct AudioInfo {
 /// [-1, 1], not clipped. Memory does not grow with the length of the file. The channels are averaged; other
 /// rates are resampled with a linear-phase filter that does not move the sound in time: N samples at rate r
 /// become ceil(16000 N / r).
-class AudioReader {
+class AudioReader final : public SampleSource {
  public:
   /// Errors (Errc::input): missing, empty, unreadable or not sound (the message names what it is instead), an
   /// impossible header, an unsupported coding, fewer than kMinAudioSamples; also those of read() for the
@@ -36,16 +37,18 @@ class AudioReader {
   static Result<AudioReader> open(const std::filesystem::path& path);
   AudioReader(AudioReader&&) noexcept;
   AudioReader& operator=(AudioReader&&) noexcept;
-  ~AudioReader();
+  ~AudioReader() override;
 
   /// Writes the next samples to `out` and returns their number; fewer than out.size() only at the end, then
   /// 0. Errors (Errc::input), final: a sample that is NaN, infinite or absurdly large (the message names its
   /// position), a sample rate that changes on the way.
-  Result<std::size_t> read(std::span<float> out);
+  Result<std::size_t> read(std::span<float> out) override;
+  /// Opens the file again. Errors: those of open().
+  Status rewind() override;
 
   [[nodiscard]] const AudioInfo& info() const;
   /// Oddities survived so far: the file is cut or damaged, channels cancel out, silence, clipping. Complete
-  /// after the end was read.
+  /// after the end was read; a second reading adds none.
   [[nodiscard]] const std::vector<std::string>& warnings() const;
 
  private:

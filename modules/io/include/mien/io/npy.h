@@ -15,7 +15,8 @@ struct NpyArray {
 };
 
 /// Header of a float32 .npy file (format version 1.0) of this shape, padded so that the data, which follows
-/// as raw little-endian floats, starts at a multiple of 64. @pre no negative size
+/// as raw little-endian floats, starts at a multiple of 64. It is as long for any shape[0]. @pre no negative
+/// size
 Bytes npy_header(std::span<const std::int64_t> shape);
 /// Header and data. @pre as many values as the shape says
 Bytes write_npy(const NpyArray& array);

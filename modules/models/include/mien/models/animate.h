@@ -7,6 +7,7 @@
 #include "mien/core/audio_clip.h"
 #include "mien/core/motion.h"
 #include "mien/models/default/stream.h"
+#include "mien/models/frame_sink.h"
 #include "mien/models/seeds.h"
 
 namespace mien {
@@ -16,12 +17,14 @@ namespace mien {
 Result<Motion> animate(const DefaultModel& model, const AudioClip& clip, const PerformOptions& options,
                        Progress& progress);
 
-/// The same for a file that is read while it is animated: memory for the sound does not grow with its length.
-/// `num_takes` performances in parallel on up to `num_threads` threads, with the seeds
-/// take_seed(options.seed, k); the result does not depend on the number of threads. Warnings of the reader
-/// travel with the result.
-Result<std::vector<Motion>> animate(const DefaultModel& model, AudioReader& speech,
-                                    const PerformOptions& options, int num_takes, int num_threads,
-                                    Progress& progress);
+/// A motion of the default model without frames.
+[[nodiscard]] Motion empty_default_motion();
+
+/// The same for a file that is read while it is animated: memory does not grow with its length. `num_takes`
+/// performances in parallel on up to `num_threads` threads, with the seeds performance_seed(options.seed, k);
+/// the result does not depend on the number of threads. Frames arrive every second of sound. Errors: those of
+/// reader and sink, cancelled.
+Status animate(const DefaultModel& model, AudioReader& speech, const PerformOptions& options, int num_takes,
+               int num_threads, Progress& progress, const FrameSink& sink);
 
 }  // namespace mien

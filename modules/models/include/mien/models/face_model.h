@@ -1,6 +1,5 @@
 #pragma once
 #include <filesystem>
-#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -9,6 +8,8 @@
 #include "mien/base/result.h"
 #include "mien/core/audio_clip.h"
 #include "mien/core/motion.h"
+#include "mien/core/sample_source.h"
+#include "mien/models/frame_sink.h"
 #include "mien/models/model_file.h"
 #include "mien/models/seeds.h"
 #include "mien/models/speech_encoder/encoder_runtime.h"
@@ -54,13 +55,11 @@ class FaceModel {
   std::unique_ptr<Parts> parts_;
 };
 
-/// Receives the next frames of a take, [count, C]. An error stops the work.
-using FrameSink = std::function<Status(int take, std::span<const float> values)>;
-
 /// Speech to motion, `num_takes` performances side by side with the seeds performance_seed(seed, k); frames
-/// arrive in blocks of about five seconds. Bits do not depend on threads. Errors: a clip shorter than a frame
-/// (input), words the model does not know (usage), cancelled.
-Status animate(const FaceModel& model, const AudioClip& clip, const FaceOptions& options, int num_takes,
+/// arrive in blocks of about five seconds. The speech is read twice, and with options.windows nothing grows
+/// with its length. Bits do not depend on threads. Errors: a clip shorter than a frame (input), words the
+/// model does not know (usage), cancelled, those of source and sink.
+Status animate(const FaceModel& model, SampleSource& speech, const FaceOptions& options, int num_takes,
                int num_threads, Progress& progress, const FrameSink& sink);
 /// The same with the motions in memory.
 Result<std::vector<Motion>> animate(const FaceModel& model, const AudioClip& clip, const FaceOptions& options,

@@ -5,8 +5,10 @@
 #include <string>
 
 #include "mien/base/result.h"
+#include "mien/core/sample_source.h"
 #include "mien/io/safetensors.h"
 #include "mien/models/speech_encoder/network.h"
+#include "mien/models/speech_encoder/speech_statistics.h"
 #include "mien/nn/plain_weights.h"
 #include "mien/tensor/packed_matrix.h"
 
@@ -61,9 +63,15 @@ class EncoderRuntime {
   /// finite.
   [[nodiscard]] Result<Tensor> encode(std::span<const float> samples,
                                       const EncodeOptions& options = {}) const;
-  /// The same, handing out the frames of each window as they are ready: what is needed for an hour of speech
-  /// is a window and a copy of the samples.
+  /// The same, handing out the frames of each window as they are ready.
   Status encode(std::span<const float> samples, const EncodeOptions& options,
+                const std::function<void(const Tensor&)>& sink) const;
+
+  /// The same in two readings, for speech of any length in the memory of a window: hear() what must be known
+  /// of the whole, then encode(). Errors: as encode(); those of the source; a source that ends earlier the
+  /// second time (input).
+  [[nodiscard]] Result<SpeechStatistics> hear(SampleSource& speech) const;
+  Status encode(SampleSource& speech, const SpeechStatistics& heard, const EncodeOptions& options,
                 const std::function<void(const Tensor&)>& sink) const;
 
  private:

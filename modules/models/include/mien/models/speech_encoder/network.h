@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "mien/models/speech_encoder/encoder_config.h"
+#include "mien/models/speech_encoder/speech_statistics.h"
 #include "mien/nn/layers.h"
 
 namespace mien {
@@ -264,9 +265,5 @@ struct SpeechEncoder {
     return positions;
   }
 };
-
-/// In place: y = (x - mean) / sqrt(variance + eps) over the whole clip, population variance, sums in double.
-/// Silence stays silence.
-void normalise_waveform(std::span<float> samples, double eps);
 
 }  // namespace mien

@@ -1,0 +1,113 @@
+#include "animate_clip.h"
+
+#include "mien/io/motion_file.h"
+#include "mien/models/animate.h"
+#include "take_files.h"
+#include "vertex_outputs.h"
+
+namespace mien {
+namespace {
+
+constexpr std::string_view kSilent = "the recording is silent";  // the reader's warning (mien/audio)
+
+using Takes = std::vector<TakeFiles>;
+
+Motion empty_motion(const Performer& performer) {
+  const auto* face = std::get_if<FaceModel>(&performer);
+  return face != nullptr ? face->empty_motion() : empty_default_motion();
+}
+
+// Speech to the frames of all takes.
+Status perform(const AnimateArguments& a, const AnimatePlan& p, const Performer& performer,
+               AudioReader& speech, Takes& takes, Progress& progress) {
+  const FrameSink sink = [&](int take, std::span<const float> frames) {
+    return takes[static_cast<std::size_t>(take)].add(frames);
+  };
+  if (const auto* face = std::get_if<FaceModel>(&performer))
+    return animate(*face, speech, p.face, a.takes, a.threads, progress, sink);
+  return animate(std::get<DefaultModel>(performer), speech, p.options, a.takes, a.threads, progress, sink);
+}
+
+// One output that needs the whole motion.
+Status write_whole(const AnimateArguments& a, const AnimatePlan& p, const ClipPlan& clip,
+                   const Output& output, const Motion& motion, const AudioClip* sound,
+                   ConsoleProgress& progress) {
+  if (p.mesh)
+    return write_vertex_output(output, motion, *p.mesh, a.vertices, {p.pictures, sound, clip.audio_name()},
+                               progress);
+  if (output.is_picture()) return write_pictures(output, motion, *p.character, sound, p.pictures, progress);
+  return write_motion(output.path, motion,
+                      {.character_glb = p.character_glb, .audio_name = clip.audio_name(), .glb = {}});
+}
+
+// All outputs of all takes: first the files that are only to be finished, then those that need the whole
+// motion, then the pictures.
+Status write_outputs(const AnimateArguments& a, const AnimatePlan& p, const ClipPlan& clip, Takes& takes,
+                     const AudioClip* sound, ConsoleProgress& progress) {
+  for (std::size_t take = 0; take < takes.size(); ++take) {
+    const Status finished = takes[take].finish();
+    if (!finished) return finished.error();
+    for (const auto& warning : finished.warnings)
+      if (take == 0) progress.warn(warning);
+  }
+  for (const bool pictures : {false, true})
+    for (int take = 0; take < a.takes; ++take)
+      for (const Output& output : clip.of_take(take, a.takes)) {
+        if (output.is_picture() != pictures || TakeFiles::is_streamed(output)) continue;
+        const Motion& motion = takes[static_cast<std::size_t>(take)].motion();
+        const Status written = write_whole(a, p, clip, output, motion, sound, progress);
+        if (!written) return written.error();
+        for (const auto& warning : written.warnings)
+          if (take == 0) progress.warn(p.mesh ? warning : output.path.string() + ": " + warning);
+      }
+  return Done{};
+}
+
+Result<std::optional<AudioClip>> sound_for(const ClipPlan& clip) {
+  for (const auto& output : clip.outputs) {
+    if (output.kind != OutputKind::video) continue;
+    MIEN_TRY(AudioClip sound, load_audio(clip.speech));
+    return std::optional<AudioClip>(std::move(sound));
+  }
+  return std::optional<AudioClip>();
+}
+
+}  // namespace
+
+Result<Performer> load_performer(const AnimateArguments& a, const AnimatePlan& p) {
+  if (!p.is_published) {
+    MIEN_TRY(DefaultModel model, DefaultModel::load(p.model_path));
+    return Performer(std::move(model));
+  }
+  MIEN_TRY(const EncoderPrecision precision, encoder_precision(a.face));
+  MIEN_TRY(FaceModel model, FaceModel::load(p.model_path, a.threads, precision));
+  return Performer(std::move(model));
+}
+
+Result<double> animate_clip(const AnimateArguments& a, const AnimatePlan& p, const Performer& performer,
+                            const ClipPlan& clip, ConsoleProgress& progress) {
+  const std::string what = "animating '" + clip.speech.string() + "'";
+  MIEN_TRY(AudioReader speech, AudioReader::open(clip.speech));
+  Takes takes;
+  for (int take = 0; take < a.takes; ++take) {
+    MIEN_TRY(TakeFiles files, TakeFiles::create(clip.of_take(take, a.takes), empty_motion(performer), a.fps,
+                                                clip.audio_name()));
+    takes.push_back(std::move(files));
+  }
+  const Status performed = perform(a, p, performer, speech, takes, progress);
+  if (!performed) return within(performed.error(), what);
+  for (const auto& warning : speech.warnings()) {
+    if (warning == kSilent && !a.allow_silence)
+      return Error{Errc::input, "'" + clip.speech.string() + "'", warning,
+                   "Pass --allow-silence to get a face at rest"};
+    progress.warn(warning);
+  }
+  for (TakeFiles& take : takes)
+    if (const Status ended = take.end(); !ended) return within(ended.error(), what);
+  MIEN_TRY(const auto sound, sound_for(clip));
+  MIEN_TRY([[maybe_unused]] const auto written,
+           write_outputs(a, p, clip, takes, sound ? &*sound : nullptr, progress));
+  return takes.front().seconds();
+}
+
+}  // namespace mien

@@ -1,0 +1,196 @@
+#include "animate_plan.h"
+
+#include <algorithm>
+#include <array>
+#include <map>
+
+#include "character_source.h"
+#include "mien/io/character_file.h"
+#include "mien/io/safetensors.h"
+#include "mien/models/face_model.h"
+#include "share.h"
+#include "vertex_outputs.h"
+
+namespace mien {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kName = "{name}";
+
+// The architecture decides what the words mean and what is written.
+Result<ModelFile> describe(const fs::path& path) {
+  const auto file = SafetensorsFile::open(path);
+  if (!file) return file.error();
+  auto model = read_model_file(file->metadata());
+  if (!model) return within(model.error(), "loading model '" + path.string() + "'");
+  return model;
+}
+
+Status direct(const AnimateArguments& a, AnimatePlan& p) {
+  if (p.is_published) {
+    MIEN_TRY(p.face, face_options(a.words, a.face));
+    MIEN_TRY([[maybe_unused]] const auto precision, encoder_precision(a.face));
+    return Done{};
+  }
+  if (const std::string word = a.face.used(); !word.empty())
+    return Error{Errc::usage, word, "does not apply to this model: it is for FaceXHuBERT and FaceDiffuser",
+                 "Leave it out, or name such a model with --model"};
+  MIEN_TRY(p.options, perform_options(a.words));
+  return Done{};
+}
+
+// The mesh whose vertices the model moves; outputs that cannot be made of it are refused before the work.
+Status plan_mesh(const AnimateArguments& a, const ModelFile& model, AnimatePlan& p) {
+  const auto mesh = vertex_mesh(a.vertices, vertex_motion(topology_of(model.output.channels / 3), 1));
+  if (!mesh) return mesh.error();
+  Status status = Done{};
+  for (const auto& output : p.all_outputs()) {
+    const auto extension = output.path.extension();
+    if (extension == ".csv" || extension == ".json")
+      return Error{Errc::usage, "output '" + output.path.string() + "'",
+                   "cannot hold the vertices that this model moves", "Write .npy, .glb, meshes or pictures"};
+    if (output.is_picture() && mesh->triangles.empty())
+      return Error{Errc::usage, "output '" + output.path.string() + "'", "a picture needs triangles",
+                   "Pass --mesh FILE with the template of the data set (.obj or .ply)"};
+    if (output.is_glb()) status.warnings = mesh.warnings;
+  }
+  p.mesh = *mesh;
+  return status;
+}
+
+std::string named(std::string pattern, const std::string& name) {
+  for (std::size_t at = pattern.find(kName); at != std::string::npos; at = pattern.find(kName, at)) {
+    pattern.replace(at, kName.size(), name);
+    at += name.size();
+  }
+  return pattern;
+}
+
+// Names of outputs with {name} in them. Folders for all recordings join p.folders.
+Result<std::vector<std::string>> output_patterns(const AnimateArguments& a, const std::string& extension,
+                                                 AnimatePlan& p) {
+  if (a.outputs.empty()) return std::vector<std::string>{std::string(kName) + extension};
+  if (a.speech.size() == 1) return a.outputs;
+  std::vector<std::string> patterns;
+  for (const std::string& name : a.outputs) {
+    std::error_code ec;
+    if (name.find(kName) != std::string::npos) {
+      patterns.push_back(name);
+    } else if (name.ends_with('/') || fs::is_directory(name, ec)) {
+      p.folders.emplace_back(name);
+      patterns.push_back((fs::path(name) / (std::string(kName) + extension)).string());
+    } else {
+      return Error{Errc::usage, "output '" + name + "'", "would be written by every recording",
+                   "Put {name} in it, such as '{name}" + fs::path(name).extension().string() +
+                       "', or name a folder: 'folder/'"};
+    }
+  }
+  return patterns;
+}
+
+// Recordings of one name would overwrite each other's outputs.
+Status check_apart(const std::vector<ClipPlan>& clips) {
+  std::map<fs::path, fs::path> writers;
+  for (const ClipPlan& clip : clips)
+    for (const Output& output : clip.outputs) {
+      std::error_code ec;
+      const auto [at, is_new] =
+          writers.emplace(fs::weakly_canonical(fs::absolute(output.path, ec), ec), clip.speech);
+      if (!is_new)
+        return Error{
+            Errc::usage, "output '" + output.path.string() + "'",
+            "would be written by '" + at->second.string() + "' and by '" + clip.speech.string() + "'",
+            "Give the recordings different names, or animate them one after the other"};
+    }
+  return Done{};
+}
+
+Status plan_clips(const AnimateArguments& a, bool moves_vertices, AnimatePlan& p) {
+  MIEN_TRY(const auto patterns, output_patterns(a, moves_vertices ? ".npy" : ".glb", p));
+  constexpr OutputKind kAll[] = {OutputKind::motion, OutputKind::video, OutputKind::sheet, OutputKind::frames,
+                                 OutputKind::meshes};
+  const std::span<const OutputKind> kinds = std::span(kAll).first(moves_vertices ? 5 : 4);
+  std::vector<fs::path> inputs(a.speech.begin(), a.speech.end());
+  for (const fs::path& other : {p.model_path, p.character_path, fs::path(a.vertices.mesh)})
+    inputs.push_back(other);
+  for (const std::string& speech : a.speech) {
+    std::vector<std::string> names;
+    for (const std::string& pattern : patterns)
+      names.push_back(named(pattern, fs::path(speech).stem().string()));
+    MIEN_TRY(auto outputs, plan_outputs(names, inputs, kinds, a.takes));
+    p.clips.push_back({speech, std::move(outputs)});
+  }
+  return check_apart(p.clips);
+}
+
+}  // namespace
+
+std::span<const Output> ClipPlan::of_take(int take, int num_takes) const {
+  const std::size_t per_take = outputs.size() / static_cast<std::size_t>(num_takes);
+  return std::span(outputs).subspan(static_cast<std::size_t>(take) * per_take, per_take);
+}
+
+std::vector<Output> AnimatePlan::all_outputs() const {
+  std::vector<Output> all;
+  for (const ClipPlan& clip : clips) all.insert(all.end(), clip.outputs.begin(), clip.outputs.end());
+  return all;
+}
+
+Result<AnimatePlan> plan_animation(const AnimateArguments& a) {
+  AnimatePlan p;
+  ModelFile model;
+  bool moves_vertices = false;
+  if (!a.model.empty()) {
+    MIEN_TRY(model, describe(a.model));
+    p.is_published = FaceModel::runs(model.architecture);
+    moves_vertices = p.is_published && model.output.space == "vertices";
+  }
+  if (!a.vertices.mesh.empty() && !moves_vertices)
+    return Error{Errc::usage, "--mesh", "is for models that move vertices",
+                 "Leave it out, or pass a face with --character"};
+  MIEN_TRY([[maybe_unused]] const auto directed, direct(a, p));
+  const auto size = parse_size(a.size);
+  if (!size) return size.error();
+  p.pictures = {.width = size->first, .height = size->second, .threads = a.threads};
+  if (a.fps > 0) p.pictures.fps = a.fps;
+  MIEN_TRY([[maybe_unused]] const auto view, check_view(a.view));
+  p.pictures.view = a.view;
+  if (a.model.empty()) {
+    MIEN_TRY(p.model_path, shared_file("default.safetensors", "--model FILE"));
+  } else {
+    p.model_path = a.model;
+  }
+  MIEN_TRY(p.character_path, character_path(a.character));
+  MIEN_TRY([[maybe_unused]] const auto clips, plan_clips(a, moves_vertices, p));
+  if (!moves_vertices) return p;
+  const Status mesh = plan_mesh(a, model, p);
+  if (!mesh) return mesh.error();
+  Result<AnimatePlan> plan(std::move(p));
+  plan.warnings = mesh.warnings;
+  return plan;
+}
+
+Status prepare_outputs(AnimatePlan& p, ConsoleProgress& progress) {
+  for (const fs::path& folder : p.folders) {
+    std::error_code ec;
+    fs::create_directories(folder, ec);
+    if (ec) return Error{Errc::failed, "'" + folder.string() + "'", "cannot be made: " + ec.message(), ""};
+  }
+  const std::vector<Output> outputs = p.all_outputs();
+  MIEN_TRY([[maybe_unused]] const auto writable, check_writable(outputs));
+  if (p.mesh) return Done{};
+  const auto any = [&](auto wanted) { return std::any_of(outputs.begin(), outputs.end(), wanted); };
+  if (any([](const Output& o) { return o.is_glb(); })) {
+    MIEN_TRY(p.character_glb, character_glb(p.character_path));
+  }
+  if (any([](const Output& o) { return o.is_picture(); })) {
+    auto character = load_character(p.character_path);
+    if (!character) return character.error();
+    for (const auto& warning : character.warnings) progress.warn(warning);
+    p.character = std::move(*character);
+  }
+  return Done{};
+}
+
+}  // namespace mien

@@ -1,0 +1,71 @@
+#pragma once
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "director.h"
+#include "face_director.h"
+#include "mien/base/bytes.h"
+#include "mien/base/parallel.h"
+#include "mien/console/console_progress.h"
+#include "mien/core/character.h"
+#include "mien/core/mesh.h"
+#include "outputs.h"
+#include "pictures.h"
+#include "vertex_options.h"
+
+namespace mien {
+
+/// The words of `mien animate`.
+struct AnimateArguments {
+  std::vector<std::string> speech;
+  std::string model, character;
+  std::vector<std::string> outputs;
+  DirectionWords words;
+  FaceWords face;
+  VertexOptions vertices;
+  int takes = 1;
+  double fps = 0;  ///< 0: 60 for motion, 30 for pictures
+  std::string size = "512", view = "portrait";
+  bool allow_silence = false;
+  int threads = hardware_threads();
+};
+
+/// A recording and what is made of it.
+struct ClipPlan {
+  std::filesystem::path speech;
+  std::vector<Output> outputs;  ///< of all takes, take by take
+
+  [[nodiscard]] std::string audio_name() const { return speech.filename().string(); }
+  /// The outputs of one take of `num_takes`.
+  [[nodiscard]] std::span<const Output> of_take(int take, int num_takes) const;
+};
+
+/// What the words mean, with everything loaded that the outputs need beside the motion.
+struct AnimatePlan {
+  std::vector<ClipPlan> clips;
+  std::vector<std::filesystem::path> folders;  ///< to make before the work
+  bool is_published = false;                   ///< FaceXHuBERT or FaceDiffuser, not the default model
+  PerformOptions options;
+  FaceOptions face;
+  std::filesystem::path model_path, character_path;
+  Bytes character_glb;                 ///< when a .glb is written
+  std::optional<Character> character;  ///< when pictures are drawn
+  std::optional<Mesh> mesh;            ///< of a model that moves vertices, which needs no character
+  PictureOptions pictures;
+
+  [[nodiscard]] std::vector<Output> all_outputs() const;
+};
+
+/// Everything that can be wrong with the words is found out here, before the work begins. In an output,
+/// {name} stands for the recording's file name without extension; for several recordings it must be there, or
+/// the output be a folder, which gets NAME.glb (.npy for models that move vertices). Errors: Errc::usage;
+/// those of reading the model's description.
+Result<AnimatePlan> plan_animation(const AnimateArguments& arguments);
+
+/// Loads characters, makes folders and tries all places that will be written. Errors (Errc::failed): a place
+/// that cannot be written; those of load_character().
+Status prepare_outputs(AnimatePlan& plan, ConsoleProgress& progress);
+
+}  // namespace mien

@@ -3,9 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 
+#include "facediffuser/gaussian_factor.h"
 #include "random_network.h"
 
 namespace mien::facediffuser {
@@ -238,6 +240,24 @@ TEST(FrameDiffusion, NoFramesGiveNoFrames) {
   const Prepared<BeatDenoiser<Tensor>> s(kRig);
   const SeededFrameNoise noise(3, 0, kRig.num_channels);
   EXPECT_EQ(s.fast({}, s.lane(noise, false), {0}).shape(), (Shape{0, kRig.num_channels}));
+}
+
+// More rows than a block of the Gram matrix has, and a ragged last block.
+TEST(GaussianFactor, HasTheCovarianceOfTheFilteredWeights) {
+  constexpr std::int64_t kRows = 300, kColumns = 2500;
+  const Tensor w = random_rows(kRows, kColumns, 3), taps = random_rows(1, 9, 4);
+  const Tensor c = gaussian_factor(PackedMatrix(w), taps.reshaped({9}), 3);
+  const Tensor once = gaussian_factor(PackedMatrix(w), taps.reshaped({9}), 1);
+  EXPECT_TRUE(std::ranges::equal(c.values(), once.values())) << "any number of threads";
+  // A = filter * W, column by column.
+  const Tensor a = transposed(convolve_columns(transposed(w), taps.reshaped({9}), Tensor({1})));
+  const Tensor want = linear(a, PackedMatrix(a)), got = linear(c, PackedMatrix(c));
+  double scale = 0;
+  for (std::int64_t i = 0; i < kRows; ++i) scale = std::max<double>(scale, want.data()[i * kRows + i]);
+  for (std::int64_t i = 0; i < kRows * kRows; ++i)
+    ASSERT_NEAR(got.data()[i] / scale, want.data()[i] / scale, 1e-5) << i / kRows << ", " << i % kRows;
+  for (std::int64_t i = 0; i < kRows; ++i)
+    for (std::int64_t j = i + 1; j < kRows; ++j) ASSERT_EQ(c.data()[i * kRows + j], 0) << "lower triangular";
 }
 
 }  // namespace

@@ -74,9 +74,7 @@ FoldedDenoiser fold(std::shared_ptr<const VertexDenoiser<Tensor>> network, int n
   Tensor m_transposed = Tensor::uninitialized({s.hidden, f.state_width});
   for (std::int64_t first = 0; first < s.hidden; first += kRows) {
     const std::int64_t count = std::min(kRows, s.hidden - first);
-    Tensor unit({count, s.hidden});
-    for (std::int64_t i = 0; i < count; ++i) unit.row(i)[static_cast<std::size_t>(first + i)] = 1;
-    const Tensor part = f.to_state(linear(unit, network->out.weight, {}, num_threads));
+    const Tensor part = f.to_state(transposed(network->out.weight.unpacked(first, count)));
     std::copy(part.values().begin(), part.values().end(), m_transposed.row(first).begin());
   }
   f.estimate = PackedMatrix(transposed(m_transposed));

@@ -2,21 +2,42 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
+
+#include "mien/base/parallel.h"
 
 namespace mien::facediffuser {
 namespace {
 
-// W W^T. Products of some columns at a time in float32, added up in double: D is large.
+// W W^T, from its lower half: blocks of rows, each times the blocks up to it. Products of some columns at a
+// time in float32, added up in double: D is large.
 std::vector<double> gram(const PackedMatrix& w, int num_threads) {
-  constexpr std::int64_t kColumns = 2048;
-  const std::int64_t size = w.num_outputs();
+  constexpr std::int64_t kColumns = 2048, kRows = 128;
+  const std::int64_t size = w.num_outputs(), num_blocks = (size + kRows - 1) / kRows;
+  std::vector<std::pair<std::int64_t, std::int64_t>> pairs;
+  for (std::int64_t i = 0; i < num_blocks; ++i)
+    for (std::int64_t j = 0; j <= i; ++j) pairs.emplace_back(i * kRows, j * kRows);
   std::vector<double> sum(static_cast<std::size_t>(size * size));
   for (std::int64_t first = 0; first < w.num_inputs(); first += kColumns) {
     const Tensor part = w.unpacked(first, std::min(kColumns, w.num_inputs() - first));
-    const Tensor product = linear(part, PackedMatrix(part), {}, num_threads);
-    for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += static_cast<double>(product.values()[i]);
+    const auto block = [&](std::int64_t row) { return rows(part, row, std::min(kRows, size - row)); };
+    std::vector<PackedMatrix> packed(static_cast<std::size_t>(num_blocks));
+    parallel_for(num_threads, num_blocks, [&](std::int64_t i) {
+      packed[static_cast<std::size_t>(i)] = PackedMatrix(block(i * kRows));
+    });
+    parallel_for(num_threads, static_cast<std::int64_t>(pairs.size()), [&](std::int64_t p) {
+      const auto [row, column] = pairs[static_cast<std::size_t>(p)];
+      const Tensor product = linear(block(row), packed[static_cast<std::size_t>(column / kRows)]);
+      for (std::int64_t r = 0; r < product.num_rows(); ++r)
+        for (std::int64_t c = 0; c < product.width(); ++c)
+          sum[static_cast<std::size_t>((row + r) * size + column + c)] +=
+              static_cast<double>(product.data()[r * product.width() + c]);
+    });
   }
+  for (std::int64_t r = 0; r < size; ++r)
+    for (std::int64_t c = r + 1; c < size; ++c)
+      sum[static_cast<std::size_t>(r * size + c)] = sum[static_cast<std::size_t>(c * size + r)];
   return sum;
 }
 
@@ -38,9 +59,14 @@ std::vector<double> filtered_transposed(const std::vector<double>& a, std::int64
 }  // namespace
 
 Tensor transposed(const Tensor& x) {
-  Tensor y = Tensor::uninitialized({x.width(), x.num_rows()});
-  for (std::int64_t r = 0; r < x.num_rows(); ++r)
-    for (std::int64_t c = 0; c < x.width(); ++c) y.data()[c * x.num_rows() + r] = x.data()[r * x.width() + c];
+  constexpr std::int64_t kTile = 16;  // both sides of a tile stay in the cache
+  const std::int64_t height = x.num_rows(), width = x.width();
+  Tensor y = Tensor::uninitialized({width, height});
+  for (std::int64_t r0 = 0; r0 < height; r0 += kTile)
+    for (std::int64_t c0 = 0; c0 < width; c0 += kTile)
+      for (std::int64_t c = c0; c < std::min(c0 + kTile, width); ++c)
+        for (std::int64_t r = r0; r < std::min(r0 + kTile, height); ++r)
+          y.data()[c * height + r] = x.data()[r * width + c];
   return y;
 }
 

@@ -87,6 +87,22 @@ Status hand_out(int num_takes, int num_threads, const FrameSink& sink,
   return Done{};
 }
 
+// What an edit keeps, in the range of the training data.
+KeptValues scaled(const ModelFile& description, const KeptValues& kept) {
+  std::vector<float> values, weights;
+  for (std::int64_t n = 0; n < kept.num_frames(); ++n)
+    for (std::int64_t c = 0; c < kept.num_channels(); ++c) {
+      const auto at = static_cast<std::size_t>(c);
+      const float value = kept.value(n, c);
+      values.push_back(description.scaler
+                           ? static_cast<float>(static_cast<double>(value) * description.scaler->scale[at] +
+                                                description.scaler->min[at])
+                           : value);
+      weights.push_back(kept.weight(n, c));
+    }
+  return {kept.num_channels(), std::move(values), std::move(weights)};
+}
+
 // Makes frames from aligned features [count, f H], block after block.
 using MakeFrames = std::function<Status(const Tensor& speech)>;
 
@@ -174,6 +190,7 @@ Result<MakeFrames> diffusing(const FaceModel::Parts& model, const Conditions& gi
   MIEN_TRY(const DiffusionProcess process, diffusion_process(model, options));
   struct Work {
     std::vector<SeededFrameNoise> noise;
+    std::optional<KeptValues> kept;
     std::optional<facediffuser::FrameDiffusion> diffusion;
   };
   const auto work = std::make_shared<Work>();
@@ -191,8 +208,9 @@ Result<MakeFrames> diffusing(const FaceModel::Parts& model, const Conditions& gi
     }
     lanes.push_back(std::move(lane));
   }
-  work->diffusion.emplace(model.folded, process, facediffuser::Walk{options.sampler, options.skip},
-                          std::move(lanes), num_threads);
+  if (options.kept) work->kept = scaled(model.description, *options.kept);
+  const facediffuser::Walk walk{options.sampler, options.skip, work->kept ? &*work->kept : nullptr};
+  work->diffusion.emplace(model.folded, process, walk, std::move(lanes), num_threads);
   return MakeFrames([&model, &sink, work, num_takes, num_threads](const Tensor& speech) -> Status {
     const std::vector<Tensor> same(static_cast<std::size_t>(num_takes), speech);
     std::vector<Tensor> frames = work->diffusion->next(same);

@@ -107,6 +107,66 @@ TEST(FrameDiffusion, EqualsThePlainLoop) {
   expect_equal_to_plain<DammDenoiser<Tensor>>(damm);
 }
 
+// Some frames kept entirely, one region in all frames, single entries, and a blend.
+KeptValues some_kept(std::int64_t num_channels) {
+  const Tensor values = random_rows(kFrames, num_channels, 8);
+  KeptValues kept(num_channels, {values.values().begin(), values.values().end()},
+                  std::vector<float>(static_cast<std::size_t>(kFrames * num_channels)));
+  const FrameRange stretch{4, 9};
+  kept.keep_outside({&stretch, 1});
+  for (std::int64_t c = 0; c < num_channels / 3; ++c) kept.keep_channel(c);
+  kept.set(6, num_channels - 1, 0.7f);
+  kept.keep(7, num_channels - 2, 0.25f);
+  return kept;
+}
+
+template <class Denoiser>
+void expect_edits_equal_to_plain(const Sizes& sizes) {
+  const Prepared<Denoiser> s(sizes);
+  const SeededFrameNoise noise(3, 0, sizes.num_channels);
+  const KeptValues kept = some_kept(sizes.num_channels);
+  for (std::size_t i = 0; i < kWalks.size(); ++i) {
+    Walk walk = kWalks[i];
+    const Tensor free = sample_plainly(*s.network, s.given, process(), walk, noise);
+    walk.kept = &kept;
+    const Tensor plain = sample_plainly(*s.network, s.given, process(), walk, noise);
+    EXPECT_GT(largest_difference(plain, free), 1e-3f) << "what is kept must matter";
+    EXPECT_LT(largest_difference(s.fast(walk, s.lane(noise, true)), plain), 2e-5f) << "walk " << i;
+    EXPECT_TRUE(
+        same_bits(s.fast(walk, s.lane(noise, true), {3, 1, 7}, 2), s.fast(walk, s.lane(noise, true))));
+  }
+}
+
+TEST(FrameDiffusion, EditsAsThePlainLoopDoes) {
+  expect_edits_equal_to_plain<VertexDenoiser<Tensor>>(kMesh);
+  expect_edits_equal_to_plain<BeatDenoiser<Tensor>>(kRig);
+}
+
+// Without fresh noise, x0 that is known at every step is SAiD's masking: known entries are their value noised
+// to each level with the noise of the start.
+TEST(SamplePlainly, CarriesKnownValuesNoisedToTheLevel) {
+  const Prepared<BeatDenoiser<Tensor>> s(kRig);
+  const SeededFrameNoise noise(3, 0, kRig.num_channels);
+  const KeptValues kept = some_kept(kRig.num_channels);
+  for (const SamplerKind kind : {SamplerKind::ddim, SamplerKind::dpmpp_2m}) {
+    Walk walk{.sampler = {.kind = kind}, .skip = 1, .kept = &kept};
+    const auto levels = process().sampling_levels(walk.skip);
+    (void)sample_plainly(
+        *s.network, s.given, process(), walk, noise, [&](int step, const Tensor& x_t, const Tensor&) {
+          const NoiseLevel level = levels[static_cast<std::size_t>(step)];
+          for (std::int64_t n = 0; n < kFrames; ++n) {
+            std::vector<float> z(9), expected(x_t.row(n).begin(), x_t.row(n).end());
+            noise.start(n, z);
+            kept.paste(n, level, z, expected);
+            for (std::size_t c = 0; c < 9; ++c)
+              if (kept.keeps(n, static_cast<std::int64_t>(c))) {
+                ASSERT_NEAR(x_t.row(n)[c], expected[c], 2e-5f) << step << " " << n << " " << c;
+              }
+          }
+        });
+  }
+}
+
 TEST(FrameDiffusion, EqualsThePlainLoopWithFewerChannelsThanLatents) {
   Sizes narrow = kMesh;
   narrow.num_channels = 12;

@@ -2,6 +2,7 @@
 #include <vector>
 
 #include "event_draw.h"
+#include "kept_face.h"
 #include "mien/motion/blink.h"
 
 namespace mien::default_model {
@@ -11,8 +12,9 @@ class BlinkEvents {
  public:
   /// The path must outlive it.
   BlinkEvents(const EventPath<Tensor>& path, std::uint64_t seed);
-  /// Decides whether and when a blink begins in the next chunk. speech [1, 3 W], c [1, C].
-  void add_step(const Tensor& speech, const Tensor& c);
+  /// Decides whether and when a blink begins in the next chunk. speech [1, 3 W], c [1, C]. `kept` is what an
+  /// edit keeps, or null: blinks of the kept lids are known, and new ones take place between them.
+  void add_step(const Tensor& speech, const Tensor& c, const KeptFace* kept = nullptr);
   /// Closure at 60 fps frame n, in order of n; forgets blinks that are over.
   LidClosure closure(std::int64_t n);
 

@@ -14,19 +14,28 @@ constexpr double kMotionFps = 60;
 // (docs/quality.md).
 constexpr Sharpening kSharpening{2, -2.0};
 
+BrowRaise shape(Event event) {
+  BrowRaise raise = draw_brow_raise(event.rng);
+  raise.onset_s = static_cast<double>(event.frame) / kMotionFps;
+  raise.amplitude =
+      std::min(1.0, kTypicalRaise * std::exp(event.log_size) * event.rng.log_normal(0, kRaiseLogSpread));
+  return raise;
+}
+
 }  // namespace
 
 BrowEvents::BrowEvents(const EventPath<Tensor>& path, std::uint64_t seed)
     : draw_(path, seed, kBrowStream, kSharpening) {}
 
-void BrowEvents::add_step(const Tensor& speech, const Tensor& c, const Tensor& unknown_style) {
-  auto drawn = draw_.step(speech, c, unknown_style);
-  if (!drawn) return;
-  BrowRaise raise = draw_brow_raise(drawn->rng);
-  raise.onset_s = static_cast<double>(drawn->frame) / kMotionFps;
-  raise.amplitude =
-      std::min(1.0, kTypicalRaise * std::exp(drawn->log_size) * drawn->rng.log_normal(0, kRaiseLogSpread));
-  raises_.push_back(raise);
+void BrowEvents::add_step(const Tensor& speech, const Tensor& c, const Tensor& unknown_style,
+                          const KeptFace* kept) {
+  EventRule rule;
+  if (kept != nullptr)
+    rule = {kept->raise_class(draw_.next_frame(), draw_.kind().frames), [&](const Event& event) {
+              const BrowRaise raise = shape(event);
+              return kept->may_raise(raise.onset_s, raise.onset_s + raise.seconds());
+            }};
+  if (const auto drawn = draw_.step(speech, c, unknown_style, rule)) raises_.push_back(shape(*drawn));
 }
 
 float BrowEvents::height(std::int64_t n) {

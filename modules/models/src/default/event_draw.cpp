@@ -29,8 +29,8 @@ EventDraw::EventDraw(const EventPath<Tensor>& path, std::uint64_t seed, std::uin
       state_({1, path.hidden}),
       unknown_style_state_({1, path.hidden}) {}
 
-std::optional<EventDraw::Event> EventDraw::step(const Tensor& speech, const Tensor& c,
-                                                const Tensor& unknown_style) {
+std::optional<Event> EventDraw::step(const Tensor& speech, const Tensor& c, const Tensor& unknown_style,
+                                     const EventRule& rule) {
   using B = Operations<Tensor>;
   const EventKind& kind = path_.kind;
   const Tensor heard =
@@ -54,11 +54,13 @@ std::optional<EventDraw::Event> EventDraw::step(const Tensor& speech, const Tens
     ++drawn;
   }
   if (drawn == kind.num_classes()) drawn = 0;  // rounding left the sum below the drawn number
-  history_.add(drawn);
-  const std::int64_t first_frame = num_steps_++ * kind.frames + kind.offset;
+  const Event event{next_frame() + drawn - 1, kind.has_size ? static_cast<double>(out.values().back()) : 0.0,
+                    Rng(hash_combine(hash_combine(seed_, stream_), step))};
+  ++num_steps_;
+  if (drawn != 0 && (rule.known || (rule.fits && !rule.fits(event)))) drawn = 0;
+  history_.add(rule.known.value_or(drawn));
   if (drawn == 0) return std::nullopt;
-  return Event{first_frame + drawn - 1, kind.has_size ? static_cast<double>(out.values().back()) : 0.0,
-               Rng(hash_combine(hash_combine(seed_, stream_), step))};
+  return event;
 }
 
 }  // namespace mien::default_model

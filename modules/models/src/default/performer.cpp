@@ -22,6 +22,7 @@ Performer::Performer(const DefaultModel& model, const PerformOptions& options)
       upper_(model, options.seed, options.sampler, options.num_steps),
       blinks_(model_.network().blink, options.seed),
       brows_(model_.network().brow, options.seed) {
+  if (options.kept) kept_ = std::make_unique<KeptFace>(*options.kept, model_.network().statistics);
   contract(options.num_steps >= 1, "PerformOptions: num_steps must be at least 1");
   NoiseField(options.seed, kLatentStream).normal(0, 0, latents_);
   for (float& z : latents_) z = std::clamp(z * static_cast<float>(options.variety), -2.5f, 2.5f);
@@ -46,7 +47,7 @@ void Performer::hear(const Heard& heard) {
   auto context = heard.contexts.begin();
   for (std::int64_t n = num_heard_; n < num_heard_ + count; ++n) {
     if (n % kGroupFrames != 0) continue;
-    if (n == 0) upper_.start_from(means_.front().face);
+    if (n == 0) upper_.start_from(means_.front().face, kept_.get());
     decide(n, *context++);
   }
   num_heard_ += count;
@@ -58,13 +59,13 @@ void Performer::decide(std::int64_t n, const Tensor& context) {
   const double seconds = static_cast<double>(n) / DefaultStream::kFps;
   const auto input = condition_input(options_.direction, {&seconds, 1}, latents_);
   if (n % kChunkFrames == 0) {
-    upper_.add_chunk(context, network.diffusion.condition(input));
-    blinks_.add_step(context, network.blink.condition(input));
+    upper_.add_chunk(context, network.diffusion.condition(input), kept_.get());
+    blinks_.add_step(context, network.blink.condition(input), kept_.get());
   }
   auto unknown = input;
   unknown.style = Tensor({1, kStyleEntries});
   unknown.style.values().back() = 1;
-  brows_.add_step(context, network.brow.condition(input), network.brow.condition(unknown));
+  brows_.add_step(context, network.brow.condition(input), network.brow.condition(unknown), kept_.get());
 }
 
 const Performer::MeanFrame& Performer::mean_at(std::int64_t n) const {
@@ -93,7 +94,8 @@ void Performer::compose(const Hearing& hearing, std::span<float> channels) {
   correct_lips(evidence, face);
   decode_face(face, channels);
   apply_brow_raise(channels, brows_.height(next_));
-  apply_blink(channels, blinks_.closure(next_));
+  const LidClosure closure = blinks_.closure(next_);
+  apply_blink(channels, kept_ ? kept_->closure(next_, closure) : closure);
   ++next_;
   for (; means_start_ < next_ - kSmootherReach; ++means_start_) means_.pop_front();
 }

@@ -2,11 +2,13 @@
 #include <array>
 #include <cstdint>
 #include <deque>
+#include <memory>
 #include <span>
 
 #include "blink_events.h"
 #include "brow_events.h"
 #include "hearing.h"
+#include "kept_face.h"
 #include "mien/models/default/face_space.h"
 #include "mien/models/default/stream.h"
 #include "upper_face.h"
@@ -39,6 +41,7 @@ class Performer {
   UpperFace upper_;
   BlinkEvents blinks_;
   BrowEvents brows_;
+  std::unique_ptr<const KeptFace> kept_;  // null: nothing
   std::array<float, kNumLatents> latents_{};
   CausalState<Tensor> mean_state_;
   std::deque<MeanFrame> means_;  // from frame means_start_ on

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "known_frames.h"
 #include "mien/base/contract.h"
 #include "mien/base/parallel.h"
 
@@ -81,6 +82,10 @@ FrameDiffusion::FrameDiffusion(std::shared_ptr<const FoldedDenoiser> denoiser,
     state_neutral_.push_back(f.is_latent() ? f.to_state(add(lane.neutral, f.output_bias))
                                            : f.output_bias.reshaped({1, f.output_width}));
   }
+  if (walk.kept == nullptr) return;
+  std::vector<Tensor> neutrals;
+  for (const Lane& lane : lanes_) neutrals.push_back(lane.neutral);
+  known_ = std::make_shared<KnownFrames>(denoiser_, *walk.kept, neutrals, num_threads);
 }
 
 void FrameDiffusion::read_speech(std::span<const Tensor> speech, Block& block) const {
@@ -118,6 +123,9 @@ void FrameDiffusion::start(Block& block) const {
       z = linear(z, f.noise_map);
     for (std::int64_t i = 0; i < f.state_width; ++i)
       block.y.row(row)[static_cast<std::size_t>(i)] = start_scale_ * z.data()[i];
+    if (known_)
+      known_->start(num_frames_ + row / num_lanes, static_cast<float>(steps_.front().level.alpha),
+                    block.y.row(row));
   });
   if (sampler_.kind == SamplerKind::dpmpp_2m) block.estimate = block.y;
   block.last = Tensor::uninitialized({num_rows, f.hidden});
@@ -198,12 +206,14 @@ void FrameDiffusion::advance_rows(Block& block, std::int64_t diagonal, std::int6
     const std::span<float> x0 = estimate.row(i);
     const Tensor& constant = state_neutral_[static_cast<std::size_t>(row % num_lanes)];
     for (std::size_t k = 0; k < x0.size(); ++k) x0[k] += constant.data()[k];
+    const bool is_last = diagonal - row / num_lanes == num_steps - 1;
+    if (known_ && !is_last)
+      known_->replace(static_cast<std::size_t>(row % num_lanes), num_frames_ + row / num_lanes, g.row(i), x0);
     if (sampler_.clip_x0)
       for (float& v : x0) v = std::clamp(v, sampler_.clip_x0->low, sampler_.clip_x0->high);
     step.apply(block.y.row(row), x0, block.estimate.count() > 0 ? block.estimate.row(row) : x0, z.row(i));
     if (block.estimate.count() > 0) std::copy(x0.begin(), x0.end(), block.estimate.row(row).begin());
-    if (diagonal - row / num_lanes == num_steps - 1)
-      std::copy(g.row(i).begin(), g.row(i).end(), block.last.row(row).begin());
+    if (is_last) std::copy(g.row(i).begin(), g.row(i).end(), block.last.row(row).begin());
   }
 }
 

@@ -13,6 +13,7 @@
 #include "mien/models/model_file.h"
 #include "mien/models/seeds.h"
 #include "mien/models/speech_encoder/encoder_runtime.h"
+#include "mien/motion/kept_values.h"
 #include "mien/motion/sampler.h"
 
 namespace mien {
@@ -28,6 +29,9 @@ struct FaceOptions {
   bool same_noise = false;  ///< fresh noise of a step is the same in all frames ("const noise")
   std::uint64_t seed = 0;   ///< same seed, same performance
   EncoderWindows windows;   ///< long speech in pieces, which is not exact; none: at once
+  /// What an edit keeps, [N, C] of empty_motion() in its units; null: nothing. FaceDiffuser makes the rest to
+  /// go with it; frames still come out as the network makes them, for join_kept().
+  std::shared_ptr<const KeptValues> kept{};
 };
 
 /// A published system, loaded with its speech encoder: FaceXHuBERT or FaceDiffuser. Immutable; may be shared

@@ -5,6 +5,7 @@
 
 #include "mien/models/default/default_model.h"
 #include "mien/models/direction.h"
+#include "mien/motion/kept_values.h"
 #include "mien/motion/sampler.h"
 
 namespace mien {
@@ -16,6 +17,9 @@ struct PerformOptions {
   SamplerOptions sampler;  ///< of the diffused upper face
   int num_steps = 8;       ///< diffusion steps, at least 1
   double variety = 1;      ///< spread of the take-level strength of jaw, lips and expression; 0 = none
+  /// What an edit keeps, [N, 55] at 60 fps; null: nothing. What is made anew then goes with it; frames still
+  /// come out as the model makes them, for join_kept().
+  std::shared_ptr<const KeptValues> kept{};
 };
 
 /// Speech in, performance out, while the speech arrives: push samples, pop frames. A frame comes out as soon

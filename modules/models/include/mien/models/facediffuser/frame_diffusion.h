@@ -19,6 +19,8 @@ struct Lane {
   bool noise_is_data = false;
 };
 
+class KnownFrames;
+
 /// Reverse diffusion frame by frame: frame n of the animation comes out as soon as frame n of the speech is
 /// known, and does not depend on how the speech was cut.
 ///
@@ -64,6 +66,7 @@ class FrameDiffusion {
   Tensor step_gates_;                            ///< [S, 3 G]
   std::vector<double> step_sum_, step_squares_;  ///< [S], of the time tokens
   std::vector<Tensor> state_neutral_;            ///< by lane: what is added to an estimate, [1, state_width]
+  std::shared_ptr<const KnownFrames> known_;     ///< of an edit; null: nothing
 };
 
 }  // namespace mien::facediffuser

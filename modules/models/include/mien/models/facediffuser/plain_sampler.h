@@ -4,6 +4,7 @@
 #include "mien/models/facediffuser/network.h"
 #include "mien/motion/diffusion_process.h"
 #include "mien/motion/frame_noise.h"
+#include "mien/motion/kept_values.h"
 #include "mien/motion/sampler.h"
 #include "mien/nn/runtime_operations.h"
 
@@ -13,6 +14,11 @@ namespace mien::facediffuser {
 struct Walk {
   SamplerOptions sampler{.kind = SamplerKind::ancestral};
   std::int64_t skip = 0;  ///< noisiest steps left out, 0 ... process.size() - 1
+  /// What an edit keeps, [N, D], or null; outlives the walk. Every estimate but the last has the known
+  /// values, and the start has them noised to its level; so a sampler that draws no noise carries them as
+  /// alpha u + sigma z with the z of the start (SAiD, section 6), and one that does as samples of the
+  /// posterior given u. The last estimate is the network's own, for join_kept().
+  const KeptValues* kept = nullptr;
 };
 
 /// Sees every step of a sampler: the state before it and the network's estimate.

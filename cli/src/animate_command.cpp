@@ -17,20 +17,10 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-std::string output_list(const std::vector<Output>& outputs) {
-  std::string list;
-  for (const auto& output : outputs)
-    list +=
-        (list.empty() ? "" : ", ") + output.path.string() + (output.kind == OutputKind::frames ? "/" : "");
-  return list;
-}
-
 // The members "outputs" to "seed" of an event.
 std::string outcome_json(const std::vector<Output>& outputs, double speech_seconds, double seconds,
                          std::uint64_t seed) {
-  std::string list;
-  for (const auto& output : outputs) list += (list.empty() ? "" : ",") + json_string(output.path.string());
-  return "\"outputs\":[" + list + "],\"speech_seconds\":" + fixed(speech_seconds, 3) +
+  return "\"outputs\":" + json_list(outputs) + ",\"speech_seconds\":" + fixed(speech_seconds, 3) +
          ",\"seconds\":" + fixed(seconds, 3) + ",\"real_time_factor\":" + fixed(seconds / speech_seconds, 4) +
          ",\"seed\":" + std::to_string(seed);
 }
@@ -146,36 +136,7 @@ void add_animate_command(CLI::App& program, Chosen& chosen) {
   command->add_option("--takes", a->takes, "Number of different takes, 1 to 100")
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
-  auto* steps = command
-                    ->add_option("--steps", a->words.steps,
-                                 "Diffusion steps, 1 to 1000. Default: 8; published models: all of theirs")
-                    ->check(CLI::Range(1, 1000));
-  auto* sampler = command->add_option("--sampler", a->words.sampler,
-                                      "dpm++, ddim or ddpm. Default: dpm++; published models: ddpm");
-  command->add_option("--subject", a->face.subject,
-                      "Published models: whose manner and neutral face, one of the model's subjects");
-  command->add_option("--template", a->face.neutral,
-                      "Published models: whose neutral face. Default: that of --style");
-  command
-      ->add_option("--skip", a->face.skip,
-                   "Published models: noisiest diffusion steps to leave out. Default: 0")
-      ->check(CLI::Range(0, 100000));
-  command->add_option(
-      "--respacing", a->face.respacing,
-      "Published models: which steps to keep: ddim50, or counts for equal sections: 10,15,20");
-  command
-      ->add_option("--eta", a->face.eta,
-                   "Published models: share of fresh noise with ddim, 0 to 1. Default: 0")
-      ->check(CLI::Range(0.0, 1.0));
-  command->add_flag("--const-noise", a->face.same_noise,
-                    "Published models: fresh noise of a step is the same in all frames");
-  command->add_option("--precision", a->face.precision,
-                      "Published models: numbers of the speech encoder, f32, bf16 or int8. Default: f32");
-  command
-      ->add_option("--window", a->face.window_s,
-                   "Published models: seconds of speech to encode at once, with 5 s heard on either side; "
-                   "saves time and memory on long speech and is not exact. Default: 0, all of it")
-      ->check(CLI::Range(0.0, 3600.0));
+  add_face_options(*command, a->words, a->face);
   command->add_option("--fps", a->fps, "Frames a second, 1 to 240. Default: 60, pictures 30")
       ->check(CLI::Range(1.0, 240.0));
   command->add_option("--size", a->size, "Pixels of pictures: 512 or 640x480")->capture_default_str();
@@ -193,11 +154,8 @@ void add_animate_command(CLI::App& program, Chosen& chosen) {
              "  mien animate hello.wav --model biwi.safetensors --subject M3 --skip 450 -o hello.npy\n"
              "  mien animate hello.wav --model voca.safetensors --mesh FLAME_sample.ply -o hello.glb -o "
              "hello.mp4\n");
-  command->callback([a, steps, sampler, &chosen] {
-    a->face.has_steps = steps->count() > 0;
-    a->face.has_sampler = sampler->count() > 0;
-    chosen.work = [a](ConsoleProgress& progress) { return run_animate(*a, progress); };
-  });
+  command->callback(
+      [a, &chosen] { chosen.work = [a](ConsoleProgress& progress) { return run_animate(*a, progress); }; });
 }
 
 }  // namespace mien

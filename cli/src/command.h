@@ -20,6 +20,7 @@ struct Chosen {
 
 // One sub-command each: declare its options, and leave its work in `chosen` when it was named.
 void add_animate_command(CLI::App& program, Chosen& chosen);
+void add_edit_command(CLI::App& program, Chosen& chosen);
 void add_render_command(CLI::App& program, Chosen& chosen);
 void add_inspect_command(CLI::App& program, Chosen& chosen);
 void add_import_command(CLI::App& program, Chosen& chosen);

@@ -1,9 +1,42 @@
 #include "face_director.h"
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 
 namespace mien {
+
+void add_face_options(CLI::App& command, DirectionWords& words, FaceWords& face) {
+  command
+      .add_option("--steps", words.steps,
+                  "Diffusion steps, 1 to 1000. Default: 8; published models: all of theirs")
+      ->check(CLI::Range(1, 1000))
+      ->each([&face](const std::string&) { face.has_steps = true; });
+  command
+      .add_option("--sampler", words.sampler, "dpm++, ddim or ddpm. Default: dpm++; published models: ddpm")
+      ->each([&face](const std::string&) { face.has_sampler = true; });
+  command.add_option("--subject", face.subject,
+                     "Published models: whose manner and neutral face, one of the model's subjects");
+  command.add_option("--template", face.neutral,
+                     "Published models: whose neutral face. Default: that of --style");
+  command
+      .add_option("--skip", face.skip, "Published models: noisiest diffusion steps to leave out. Default: 0")
+      ->check(CLI::Range(0, 100000));
+  command.add_option("--respacing", face.respacing,
+                     "Published models: which steps to keep: ddim50, or counts for equal sections: 10,15,20");
+  command
+      .add_option("--eta", face.eta, "Published models: share of fresh noise with ddim, 0 to 1. Default: 0")
+      ->check(CLI::Range(0.0, 1.0));
+  command.add_flag("--const-noise", face.same_noise,
+                   "Published models: fresh noise of a step is the same in all frames");
+  command.add_option("--precision", face.precision,
+                     "Published models: numbers of the speech encoder, f32, bf16 or int8. Default: f32");
+  command
+      .add_option("--window", face.window_s,
+                  "Published models: seconds of speech to encode at once, with 5 s heard on either side; "
+                  "saves time and memory on long speech and is not exact. Default: 0, all of it")
+      ->check(CLI::Range(0.0, 3600.0));
+}
 
 std::string FaceWords::used() const {
   if (!subject.empty()) return "--subject";

@@ -4,6 +4,10 @@
 #include "director.h"
 #include "mien/models/face_model.h"
 
+namespace CLI {
+class App;
+}
+
 namespace mien {
 
 /// The words of the command line that direct FaceXHuBERT and FaceDiffuser beside DirectionWords.
@@ -20,6 +24,9 @@ struct FaceWords {
   /// The first of them that was used, to tell that it does not apply to another model; empty: none.
   [[nodiscard]] std::string used() const;
 };
+
+/// --steps, --sampler, and the options of published models alone. Both outlive the command.
+void add_face_options(CLI::App& command, DirectionWords& words, FaceWords& face);
 
 /// Errors (Errc::usage): an unknown word, or one that this processor cannot do.
 Result<EncoderPrecision> encoder_precision(const FaceWords& face);

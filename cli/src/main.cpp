@@ -106,6 +106,7 @@ int run(const std::vector<std::string>& words) {
   CLI::App program("Mien turns recorded speech into 3D facial animation.", "mien");
   program.set_version_flag("--version", "mien " MIEN_VERSION);
   add_animate_command(program, chosen);
+  add_edit_command(program, chosen);
   add_render_command(program, chosen);
   add_inspect_command(program, chosen);
   add_import_command(program, chosen);

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "mien/base/file.h"
+#include "mien/console/console_exit.h"
 #include "nearest_name.h"
 
 namespace mien {
@@ -100,6 +101,20 @@ Result<std::vector<Output>> plan_outputs(std::span<const std::string> names, std
     }
   }
   return outputs;
+}
+
+std::string output_list(const std::vector<Output>& outputs) {
+  std::string list;
+  for (const auto& output : outputs)
+    list +=
+        (list.empty() ? "" : ", ") + output.path.string() + (output.kind == OutputKind::frames ? "/" : "");
+  return list;
+}
+
+std::string json_list(const std::vector<Output>& outputs) {
+  std::string list;
+  for (const auto& output : outputs) list += (list.empty() ? "" : ",") + json_string(output.path.string());
+  return "[" + list + "]";
 }
 
 Status check_writable(std::span<const Output> outputs) {

@@ -32,6 +32,10 @@ Result<std::vector<Output>> plan_outputs(std::span<const std::string> names,
                                          std::span<const std::filesystem::path> inputs,
                                          std::span<const OutputKind> allowed, int num_takes = 1);
 
+/// "a.glb, frames/" for people, and a JSON array of paths for programs.
+std::string output_list(const std::vector<Output>& outputs);
+std::string json_list(const std::vector<Output>& outputs);
+
 /// Tries to write at every place, and leaves nothing there: long work must not end in an error that could
 /// have been seen at its start. Errors (Errc::failed): a missing or read-only folder, a folder of the name.
 Status check_writable(std::span<const Output> outputs);

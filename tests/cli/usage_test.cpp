@@ -17,6 +17,7 @@ TEST_F(ProgramTest, VersionAndHelpGoToStandardOutput) {
                                                 {"help", "animate"},
                                                 {"animate", "--help"},
                                                 {"render", "-h"},
+                                                {"help", "edit"},
                                                 {"help", "inspect"},
                                                 {"help", "import"},
                                                 {"help", "evaluate"},

@@ -13,8 +13,33 @@ constexpr std::string_view kSilent = "the recording is silent";  // the reader's
 using Takes = std::vector<TakeFiles>;
 
 Motion empty_motion(const Performer& performer) {
-  const auto* face = std::get_if<FaceModel>(&performer);
-  return face != nullptr ? face->empty_motion() : empty_default_motion();
+  if (const auto* face = std::get_if<FaceModel>(&performer)) return face->empty_motion();
+  if (const auto* said = std::get_if<SaidModel>(&performer)) return said->empty_motion();
+  return empty_default_motion();
+}
+
+// SAiD sees the whole clip, or a window of it, at once, so its frames do not come one by one.
+Status perform_said(const AnimateArguments& a, const AnimatePlan& p, const SaidModel& model,
+                    AudioReader& speech, Progress& progress, const FrameSink& sink) {
+  MIEN_TRY(const AudioClip clip, read_all(speech));
+  SaidOptions options = p.said;
+  std::optional<KeptValues> start;
+  Status status = Done{};
+  if (!a.said.init.empty()) {
+    MIEN_TRY(const Motion motion, read_motion(a.said.init));
+    auto values = start_values(motion, model.empty_motion());
+    if (!values) return within(values.error(), "--init '" + a.said.init + "'");
+    status.warnings = values.warnings;
+    start = std::move(*values);
+    options.known = &*start;
+  }
+  const auto takes = animate(model, clip, options, a.takes, a.threads, progress);
+  if (!takes) return takes.error();
+  status.warnings.insert(status.warnings.end(), takes.warnings.begin(), takes.warnings.end());
+  for (int take = 0; take < a.takes; ++take) {
+    MIEN_TRY([[maybe_unused]] const auto taken, sink(take, (*takes)[static_cast<std::size_t>(take)].values));
+  }
+  return status;
 }
 
 // Speech to the frames of all takes.
@@ -25,6 +50,8 @@ Status perform(const AnimateArguments& a, const AnimatePlan& p, const Performer&
   };
   if (const auto* face = std::get_if<FaceModel>(&performer))
     return animate(*face, speech, p.face, a.takes, a.threads, progress, sink);
+  if (const auto* said = std::get_if<SaidModel>(&performer))
+    return perform_said(a, p, *said, speech, progress, sink);
   return animate(std::get<DefaultModel>(performer), speech, p.options, a.takes, a.threads, progress, sink);
 }
 
@@ -75,11 +102,15 @@ Result<std::optional<AudioClip>> sound_for(const ClipPlan& clip) {
 }  // namespace
 
 Result<Performer> load_performer(const AnimateArguments& a, const AnimatePlan& p) {
-  if (!p.is_published) {
+  if (p.system == AnimatePlan::System::standard) {
     MIEN_TRY(DefaultModel model, DefaultModel::load(p.model_path));
     return Performer(std::move(model));
   }
   MIEN_TRY(const EncoderPrecision precision, encoder_precision(a.face));
+  if (p.system == AnimatePlan::System::said) {
+    MIEN_TRY(SaidModel model, SaidModel::load(p.model_path, precision));
+    return Performer(std::move(model));
+  }
   MIEN_TRY(FaceModel model, FaceModel::load(p.model_path, a.threads, precision));
   return Performer(std::move(model));
 }
@@ -96,6 +127,7 @@ Result<double> animate_clip(const AnimateArguments& a, const AnimatePlan& p, con
   }
   const Status performed = perform(a, p, performer, speech, takes, progress);
   if (!performed) return within(performed.error(), what);
+  for (const auto& warning : performed.warnings) progress.warn(warning);
   for (const auto& warning : speech.warnings()) {
     if (warning == kSilent && !a.allow_silence)
       return Error{Errc::input, "'" + clip.speech.string() + "'", warning,

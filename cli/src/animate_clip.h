@@ -4,11 +4,12 @@
 #include "animate_plan.h"
 #include "mien/models/default/default_model.h"
 #include "mien/models/face_model.h"
+#include "mien/models/said/said_model.h"
 
 namespace mien {
 
 /// The model that performs.
-using Performer = std::variant<DefaultModel, FaceModel>;
+using Performer = std::variant<DefaultModel, FaceModel, SaidModel>;
 
 /// Errors: those of loading a model.
 Result<Performer> load_performer(const AnimateArguments& arguments, const AnimatePlan& plan);

@@ -137,6 +137,7 @@ void add_animate_command(CLI::App& program, Chosen& chosen) {
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
   add_face_options(*command, a->words, a->face);
+  add_said_options(*command, a->said);
   command->add_option("--fps", a->fps, "Frames a second, 1 to 240. Default: 60, pictures 30")
       ->check(CLI::Range(1.0, 240.0));
   command->add_option("--size", a->size, "Pixels of pictures: 512 or 640x480")->capture_default_str();
@@ -152,6 +153,7 @@ void add_animate_command(CLI::App& program, Chosen& chosen) {
              "  mien animate a.wav b.wav -o '{name}.csv' -o '{name}.mp4'\n"
              "  mien animate hello.wav -o hello.glb -o hello.csv -o hello.mp4 --emotion happy:2 --seed 7\n"
              "  mien animate hello.wav --model biwi.safetensors --subject M3 --skip 450 -o hello.npy\n"
+             "  mien animate hello.wav --model said.safetensors --steps 50 --guidance 2 -o hello.said.csv\n"
              "  mien animate hello.wav --model voca.safetensors --mesh FLAME_sample.ply -o hello.glb -o "
              "hello.mp4\n");
   command->callback(

@@ -27,14 +27,28 @@ Result<ModelFile> describe(const fs::path& path) {
   return model;
 }
 
-Status direct(const AnimateArguments& a, AnimatePlan& p) {
-  if (p.is_published) {
-    MIEN_TRY(p.face, face_options(a.words, a.face));
+Status direct(const AnimateArguments& a, const ModelFile& model, AnimatePlan& p) {
+  using System = AnimatePlan::System;
+  if (p.system != System::standard) {
     MIEN_TRY([[maybe_unused]] const auto precision, encoder_precision(a.face));
+  }
+  if (p.system == System::said) {
+    auto options = said_options(a.words, a.face, a.said, model.diffusion ? model.diffusion->steps : 1);
+    if (!options) return options.error();
+    p.said = *options;
+    Status status = Done{};
+    status.warnings = options.warnings;
+    return status;
+  }
+  if (const std::string word = a.said.used(); !word.empty())
+    return Error{Errc::usage, word, "does not apply to this model: it is for SAiD",
+                 "Leave it out, or name such a model with --model"};
+  if (p.system == System::face) {
+    MIEN_TRY(p.face, face_options(a.words, a.face));
     return Done{};
   }
   if (const std::string word = a.face.used(); !word.empty())
-    return Error{Errc::usage, word, "does not apply to this model: it is for FaceXHuBERT and FaceDiffuser",
+    return Error{Errc::usage, word, "does not apply to this model: it is for the published systems",
                  "Leave it out, or name such a model with --model"};
   MIEN_TRY(p.options, perform_options(a.words));
   return Done{};
@@ -112,7 +126,8 @@ Status plan_clips(const AnimateArguments& a, bool moves_vertices, AnimatePlan& p
                                  OutputKind::meshes};
   const std::span<const OutputKind> kinds = std::span(kAll).first(moves_vertices ? 5 : 4);
   std::vector<fs::path> inputs(a.speech.begin(), a.speech.end());
-  for (const fs::path& other : {p.model_path, p.character_path, fs::path(a.vertices.mesh)})
+  for (const fs::path& other :
+       {p.model_path, p.character_path, fs::path(a.vertices.mesh), fs::path(a.said.init)})
     inputs.push_back(other);
   for (const std::string& speech : a.speech) {
     std::vector<std::string> names;
@@ -143,13 +158,15 @@ Result<AnimatePlan> plan_animation(const AnimateArguments& a) {
   bool moves_vertices = false;
   if (!a.model.empty()) {
     MIEN_TRY(model, describe(a.model));
-    p.is_published = FaceModel::runs(model.architecture);
-    moves_vertices = p.is_published && model.output.space == "vertices";
+    if (FaceModel::runs(model.architecture)) p.system = AnimatePlan::System::face;
+    if (model.architecture == Architecture::said) p.system = AnimatePlan::System::said;
+    moves_vertices = model.output.space == "vertices";
   }
   if (!a.vertices.mesh.empty() && !moves_vertices)
     return Error{Errc::usage, "--mesh", "is for models that move vertices",
                  "Leave it out, or pass a face with --character"};
-  MIEN_TRY([[maybe_unused]] const auto directed, direct(a, p));
+  const Status directed = direct(a, model, p);
+  if (!directed) return directed.error();
   const auto size = parse_size(a.size);
   if (!size) return size.error();
   p.pictures = {.width = size->first, .height = size->second, .threads = a.threads};
@@ -163,11 +180,12 @@ Result<AnimatePlan> plan_animation(const AnimateArguments& a) {
   }
   MIEN_TRY(p.character_path, character_path(a.character));
   MIEN_TRY([[maybe_unused]] const auto clips, plan_clips(a, moves_vertices, p));
-  if (!moves_vertices) return p;
-  const Status mesh = plan_mesh(a, model, p);
+  Status mesh = Done{};
+  if (moves_vertices) mesh = plan_mesh(a, model, p);
   if (!mesh) return mesh.error();
   Result<AnimatePlan> plan(std::move(p));
-  plan.warnings = mesh.warnings;
+  plan.warnings = directed.warnings;
+  plan.warnings.insert(plan.warnings.end(), mesh.warnings.begin(), mesh.warnings.end());
   return plan;
 }
 

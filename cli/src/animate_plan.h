@@ -13,6 +13,7 @@
 #include "mien/core/mesh.h"
 #include "outputs.h"
 #include "pictures.h"
+#include "said_director.h"
 #include "vertex_options.h"
 
 namespace mien {
@@ -24,6 +25,7 @@ struct AnimateArguments {
   std::vector<std::string> outputs;
   DirectionWords words;
   FaceWords face;
+  SaidWords said;
   VertexOptions vertices;
   int takes = 1;
   double fps = 0;  ///< 0: 60 for motion, 30 for pictures
@@ -46,9 +48,11 @@ struct ClipPlan {
 struct AnimatePlan {
   std::vector<ClipPlan> clips;
   std::vector<std::filesystem::path> folders;  ///< to make before the work
-  bool is_published = false;                   ///< FaceXHuBERT or FaceDiffuser, not the default model
+  /// Which model performs: the default one, FaceXHuBERT or FaceDiffuser, or SAiD.
+  enum class System { standard, face, said } system = System::standard;
   PerformOptions options;
   FaceOptions face;
+  SaidOptions said;
   std::filesystem::path model_path, character_path;
   Bytes character_glb;                 ///< when a .glb is written
   std::optional<Character> character;  ///< when pictures are drawn

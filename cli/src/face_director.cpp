@@ -13,7 +13,8 @@ void add_face_options(CLI::App& command, DirectionWords& words, FaceWords& face)
       ->check(CLI::Range(1, 1000))
       ->each([&face](const std::string&) { face.has_steps = true; });
   command
-      .add_option("--sampler", words.sampler, "dpm++, ddim or ddpm. Default: dpm++; published models: ddpm")
+      .add_option("--sampler", words.sampler,
+                  "dpm++, ddim or ddpm. Default: dpm++; published models: ddpm, SAiD: ddim")
       ->each([&face](const std::string&) { face.has_sampler = true; });
   command.add_option("--subject", face.subject,
                      "Published models: whose manner and neutral face, one of the model's subjects");
@@ -30,11 +31,14 @@ void add_face_options(CLI::App& command, DirectionWords& words, FaceWords& face)
   command.add_flag("--const-noise", face.same_noise,
                    "Published models: fresh noise of a step is the same in all frames");
   command.add_option("--precision", face.precision,
-                     "Published models: numbers of the speech encoder, f32, bf16 or int8. Default: f32");
+                     "Published models: numbers of the speech encoder (and of SAiD's denoiser), f32, bf16 or "
+                     "int8. Default: f32");
   command
       .add_option("--window", face.window_s,
                   "Published models: seconds of speech to encode at once, with 5 s heard on either side; "
-                  "saves time and memory on long speech and is not exact. Default: 0, all of it")
+                  "saves time and memory on long speech and is not exact. SAiD: seconds of motion to make at "
+                  "once, each "
+                  "from the end of the one before. Default: 0, all of it")
       ->check(CLI::Range(0.0, 3600.0));
 }
 

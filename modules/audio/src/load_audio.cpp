@@ -136,8 +136,7 @@ Status AudioReader::rewind() {
 const AudioInfo& AudioReader::info() const { return state_->source->info(); }
 const std::vector<std::string>& AudioReader::warnings() const { return state_->warnings; }
 
-Result<AudioClip> load_audio(const std::filesystem::path& path) {
-  MIEN_TRY(AudioReader reader, AudioReader::open(path));
+Result<AudioClip> read_all(AudioReader& reader) {
   AudioClip clip;
   std::array<float, 16384> block;
   for (;;) {
@@ -145,9 +144,14 @@ Result<AudioClip> load_audio(const std::filesystem::path& path) {
     clip.samples.insert(clip.samples.end(), block.begin(), block.begin() + static_cast<std::ptrdiff_t>(n));
     if (n < block.size()) break;
   }
-  Result<AudioClip> result = std::move(clip);
-  result.warnings = reader.warnings();
-  return result;
+  return clip;
+}
+
+Result<AudioClip> load_audio(const std::filesystem::path& path) {
+  MIEN_TRY(AudioReader reader, AudioReader::open(path));
+  auto clip = read_all(reader);
+  if (clip) clip.warnings = reader.warnings();
+  return clip;
 }
 
 }  // namespace mien

@@ -57,6 +57,8 @@ class AudioReader final : public SampleSource {
   std::unique_ptr<State> state_;
 };
 
+/// What is left of the sound, in memory. Errors: those of AudioReader::read().
+Result<AudioClip> read_all(AudioReader& reader);
 /// The whole file in memory; the result carries the reader's warnings. Errors: those of AudioReader.
 Result<AudioClip> load_audio(const std::filesystem::path& path);
 

@@ -1,65 +1,37 @@
 // Speed of the speech encoder at the size of HuBERT-base: ten seconds of sound to hidden states. Weights are
 // random, scaled as in training; speed does not depend on them. Each precision reports its error against
-// float32.
+// float32. encoder_torch_bench.cpp is the same on LibTorch.
 #include <benchmark/benchmark.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <memory>
 #include <vector>
 
-#include "mien/base/random.h"
 #include "mien/models/speech_encoder/encoder_runtime.h"
 #include "mien/nn/runtime_operations.h"
+#include "random_encoder.h"
 
 namespace mien {
 namespace {
 
 constexpr double kSeconds = 10;
 
-/// Uniform weights of the variance that keeps signals at their size; norms near one.
-class FillAtRandom : public ParameterVisitor<FillAtRandom> {
- public:
-  template <class M>
-  void matrix(std::string_view, M& slot, std::int64_t out, std::int64_t in, Init) {
-    slot = fill({out, in}, 0, std::sqrt(3.0 / static_cast<double>(in)));
-  }
-  template <class M>
-  void convolution(std::string_view, M& slot, std::int64_t out, std::int64_t in, std::int64_t kernel, Init) {
-    slot = fill({out, in, kernel}, 0, std::sqrt(6.0 / static_cast<double>(in * kernel)));
-  }
-  template <class T>
-  void tensor(std::string_view name, T& slot, const Shape& shape, Init init) {
-    slot = fill(shape, init == Init::one ? 1 : 0, name == "conv.weight_v" ? 1 : 0.125);
-  }
-
- private:
-  PlainWeights fill(const Shape& shape, double offset, double spread) {
-    PlainWeights w(shape);
-    Rng rng(++seed_);
-    for (float& v : w.values()) v = static_cast<float>(offset + spread * (2 * rng.uniform() - 1));
-    return w;
-  }
-  std::uint64_t seed_ = 0;
-};
-
 const EncoderRuntime& encoder(EncoderPrecision precision) {
   static std::array<std::unique_ptr<EncoderRuntime>, 3> encoders;
   auto& slot = encoders[static_cast<std::size_t>(precision)];
   if (!slot) {
     SpeechEncoder<PlainWeights> weights{EncoderConfig{}};
-    FillAtRandom fill;
+    FillAtRandom fill([](const Shape& shape, std::vector<float>& values) {
+      PlainWeights w(shape);
+      std::copy(values.begin(), values.end(), w.values().begin());
+      return w;
+    });
     weights.visit(fill);
     slot = std::make_unique<EncoderRuntime>(std::move(weights), precision);
   }
   return *slot;
-}
-
-std::vector<float> sound(double seconds) {
-  std::vector<float> s(static_cast<std::size_t>(seconds * 16000));
-  NoiseField(1, 0).normal(0, 0, s);
-  for (std::size_t i = 1; i < s.size(); ++i) s[i] = 0.9f * s[i - 1] + 0.05f * s[i];
-  return s;
 }
 
 Tensor encoded(EncoderPrecision precision, std::span<const float> samples, const EncodeOptions& options) {
@@ -80,7 +52,7 @@ double relative_error(const Tensor& got, const Tensor& want) {
 }
 
 void encode(benchmark::State& state, EncoderPrecision precision, int num_threads) {
-  const auto samples = sound(kSeconds);
+  const auto samples = noise_like_speech(kSeconds);
   EncodeOptions options;
   options.num_threads = num_threads;
   Tensor last = encoded(precision, samples, options);
@@ -94,7 +66,7 @@ void encode(benchmark::State& state, EncoderPrecision precision, int num_threads
 
 /// What cutting a clip into windows costs: error of all frames against the whole clip at once.
 void windows(benchmark::State& state) {
-  static const auto samples = sound(30);
+  static const auto samples = noise_like_speech(30);
   static const Tensor exact = encoded(EncoderPrecision::float32, samples, {});
   EncodeOptions options;
   options.windows = {state.range(0), state.range(1), state.range(1)};

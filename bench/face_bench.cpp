@@ -28,6 +28,16 @@ Sizes beat() {
   return {.variant = Variant::beat, .num_channels = 51, .latent = 256, .hidden = 256, .num_steps = 1000};
 }
 
+Sizes damm() {
+  return {.variant = Variant::damm,
+          .num_channels = 192,
+          .latent = 512,
+          .hidden = 512,
+          .num_layers = 4,
+          .num_steps = 5000};
+}
+constexpr std::int64_t kDammSteps = 1000;  // of its 5000 time tokens
+
 template <class Denoiser>
 struct Subject {
   Sizes sizes;
@@ -43,7 +53,7 @@ struct Subject {
         fps(frames_a_second),
         network(std::make_shared<const Denoiser>(random_network(Denoiser(s)))),
         folded(std::make_shared<const FoldedDenoiser>(fold(network))),
-        process(betas_of(BetaSchedule::cosine, s.num_steps)),
+        process(betas_of(BetaSchedule::cosine, s.variant == Variant::damm ? kDammSteps : s.num_steps)),
         speech(random_rows(static_cast<std::int64_t>(kSeconds * frames_a_second), s.condition, 5)) {
     given.speech = network->speech_tokens(speech);
     if constexpr (std::is_same_v<Denoiser, VertexDenoiser<Tensor>>) {
@@ -60,6 +70,11 @@ const Subject<VertexDenoiser<Tensor>>& mesh() {
 
 const Subject<BeatDenoiser<Tensor>>& rig() {
   static const Subject<BeatDenoiser<Tensor>> subject(beat(), 30);
+  return subject;
+}
+
+const Subject<DammDenoiser<Tensor>>& controls() {
+  static const Subject<DammDenoiser<Tensor>> subject(damm(), 30);
   return subject;
 }
 
@@ -91,6 +106,28 @@ void frame_by_frame(benchmark::State& state, const Subject<Denoiser>& s) {
   report(state, kSeconds * static_cast<double>(num_takes), steps);
 }
 
+// Clips of a second each, as a game has lines of dialogue. Arguments: steps, clips, clips side by side.
+template <class Denoiser>
+void short_clips(benchmark::State& state, const Subject<Denoiser>& s) {
+  const std::int64_t steps = state.range(0), num_clips = state.range(1), together = state.range(2);
+  const auto num_frames = static_cast<std::int64_t>(s.fps);
+  const SeededFrameNoise noise(1, 0, s.folded->noise_width);
+  const Walk walk{.skip = s.process.size() - steps};
+  std::vector<Tensor> clips;
+  for (std::int64_t i = 0; i < num_clips; ++i)
+    clips.push_back(random_rows(num_frames, s.sizes.condition, 10 + static_cast<std::uint64_t>(i)));
+  for (auto _ : state) {
+    for (std::int64_t at = 0; at < num_clips; at += together) {
+      const auto count = static_cast<std::size_t>(std::min(together, num_clips - at));
+      FrameDiffusion diffusion(s.folded, s.process, walk,
+                               std::vector<Lane>(count, Lane{s.given.style, s.given.neutral, &noise, false}),
+                               hardware_threads());
+      benchmark::DoNotOptimize(diffusion.next(std::span(clips).subspan(static_cast<std::size_t>(at), count)));
+    }
+  }
+  report(state, static_cast<double>(num_clips), steps);
+}
+
 // As published, but for the speech encoder, which the authors run at every step. Argument: steps that are
 // run.
 template <class Denoiser>
@@ -111,6 +148,10 @@ void v_fast(benchmark::State& state) { frame_by_frame(state, mesh()); }
 void v_plain(benchmark::State& state) { plainly(state, mesh()); }
 void beat_fast(benchmark::State& state) { frame_by_frame(state, rig()); }
 void beat_plain(benchmark::State& state) { plainly(state, rig()); }
+void damm_fast(benchmark::State& state) { frame_by_frame(state, controls()); }
+void damm_plain(benchmark::State& state) { plainly(state, controls()); }
+void v_short(benchmark::State& state) { short_clips(state, mesh()); }
+void beat_short(benchmark::State& state) { short_clips(state, rig()); }
 
 constexpr auto kMs = benchmark::kMillisecond;
 BENCHMARK(v_plain)->Name("face/v_biwi/plain_loop")->Arg(2)->Unit(kMs)->MeasureProcessCPUTime()->Iterations(1);
@@ -146,6 +187,37 @@ BENCHMARK(beat_fast)
     ->Name("face/b_beat/four_takes_one_frame_at_a_time")
     ->Args({1000, 1, 4})
     ->Unit(kMs)
+    ->MeasureProcessCPUTime();
+
+BENCHMARK(damm_plain)
+    ->Name("face/b_damm/plain_loop")
+    ->Arg(4)
+    ->Unit(kMs)
+    ->MeasureProcessCPUTime()
+    ->Iterations(1);
+BENCHMARK(damm_fast)
+    ->Name("face/b_damm/wavefront")
+    ->Args({1000, 128, 1})
+    ->Unit(kMs)
+    ->MeasureProcessCPUTime()
+    ->Iterations(1);
+BENCHMARK(v_short)
+    ->Name("face/v_biwi/eight_clips_of_a_second")
+    ->ArgNames({"steps", "clips", "together"})
+    ->Args({50, 8, 1})
+    ->Args({50, 8, 4})
+    ->Args({50, 8, 8})
+    ->Unit(kMs)
+    ->UseRealTime()
+    ->MeasureProcessCPUTime();
+BENCHMARK(beat_short)
+    ->Name("face/b_beat/eight_clips_of_a_second")
+    ->ArgNames({"steps", "clips", "together"})
+    ->Args({1000, 8, 1})
+    ->Args({1000, 8, 4})
+    ->Args({1000, 8, 8})
+    ->Unit(kMs)
+    ->UseRealTime()
     ->MeasureProcessCPUTime();
 
 }  // namespace

@@ -17,6 +17,8 @@ constexpr std::array kTolerances = {
     Tolerance{"schedule", 1e-15, 2e-12, "double; 1 - alpha_bar loses digits near the clean end"},
     Tolerance{"qp optimum", 1e-8, 0, "double; the recorded optimum is exact to 1e-15"},
     Tolerance{"qp objective", 0, 1e-9, "double"},
+    Tolerance{"deformation transfer", 1e-8, 0, "metres, double; recorded with a residual below 1e-9"},
+    Tolerance{"deformation transfer energy", 0, 1e-8, "double"},
     Tolerance{"stage", 1e-5, 0, "one network stage in float32, sums in another order"},
     Tolerance{"estimate", 1e-5, 0, "a whole network in float32"},
     Tolerance{"walk", 1e-5, 0, "up to 40 steps; errors do not grow, each step pulls towards its estimate"},

@@ -25,5 +25,7 @@ void add_render_command(CLI::App& program, Chosen& chosen);
 void add_inspect_command(CLI::App& program, Chosen& chosen);
 void add_import_command(CLI::App& program, Chosen& chosen);
 void add_evaluate_command(CLI::App& program, Chosen& chosen);
+void add_fit_command(CLI::App& program, Chosen& chosen);
+void add_transfer_command(CLI::App& program, Chosen& chosen);
 
 }  // namespace mien

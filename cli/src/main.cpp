@@ -111,6 +111,8 @@ int run(const std::vector<std::string>& words) {
   add_inspect_command(program, chosen);
   add_import_command(program, chosen);
   add_evaluate_command(program, chosen);
+  add_fit_command(program, chosen);
+  add_transfer_command(program, chosen);
   add_data_command(program, chosen);
   std::string footer = "Programs of their own, when they were built:\n";
   for (const auto& companion : companions())

@@ -4,6 +4,7 @@
 #include <cctype>
 #include <cmath>
 
+#include "blendshape_folder.h"
 #include "mien/core/arkit.h"
 #include "mien/io/gltf_reader.h"
 #include "mien/io/safetensors.h"
@@ -140,11 +141,14 @@ Result<Character> read_safetensors_character(const std::filesystem::path& path) 
 }  // namespace
 
 Result<Character> load_character(const std::filesystem::path& path) {
+  std::error_code problem;
+  if (std::filesystem::is_directory(path, problem)) return io::read_blendshape_folder(path);
   const std::string extension = lower_extension(path);
   if (extension == ".glb" || extension == ".gltf" || extension == ".vrm") return read_glb(path);
   if (extension != ".safetensors")
     return Error{Errc::incompatible, "character '" + path.string() + "'",
-                 "the extension '" + extension + "' is unknown, expected .glb, .gltf, .vrm or .safetensors",
+                 "the extension '" + extension + "' is unknown, expected .glb, .gltf, .vrm, .safetensors or a "
+                 "folder of meshes",
                  ""};
   auto character = read_safetensors_character(path);
   if (!character) return within(character.error(), "character '" + path.string() + "'");

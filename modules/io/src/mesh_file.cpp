@@ -42,6 +42,22 @@ Mesh merged_mesh(const Character& character) {
   return merged;
 }
 
+std::vector<Blendshape> merged_shapes(const Character& character) {
+  std::vector<Blendshape> merged;
+  std::uint32_t first = 0;
+  for (const auto& part : character.parts) {
+    for (const auto& shape : part.shapes) {
+      auto same =
+          std::find_if(merged.begin(), merged.end(), [&](const auto& s) { return s.name == shape.name; });
+      if (same == merged.end()) same = merged.insert(merged.end(), Blendshape{shape.name, {}, {}, {}});
+      for (const auto v : shape.vertices) same->vertices.push_back(first + v);
+      same->offsets.insert(same->offsets.end(), shape.offsets.begin(), shape.offsets.end());
+    }
+    first += static_cast<std::uint32_t>(part.mesh.positions.size());
+  }
+  return merged;
+}
+
 Result<Mesh> load_mesh(const std::filesystem::path& path) {
   auto mesh = read_known(path);
   const std::string name = "'" + path.string() + "'";

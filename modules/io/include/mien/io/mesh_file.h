@@ -29,6 +29,9 @@ Result<Mesh> read_ply(std::span<const std::byte> bytes);
 /// have them.
 Mesh merged_mesh(const Character& character);
 
+/// The shapes of merged_mesh(): shapes of one name become one, in the order in which they first appear.
+std::vector<Blendshape> merged_shapes(const Character& character);
+
 /// Positions and triangles of a mesh file, by extension: .obj, .ply, or the merged_mesh() of a character
 /// (load_character). Errors: those of the readers, naming the file; Errc::usage for another extension.
 Result<Mesh> load_mesh(const std::filesystem::path& path);

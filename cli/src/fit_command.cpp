@@ -1,0 +1,273 @@
+// mien fit: coefficients of a character from sequences of its vertices.
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <optional>
+
+#include "character_source.h"
+#include "fit_input.h"
+#include "mien/base/file.h"
+#include "mien/base/number_text.h"
+#include "mien/base/parallel.h"
+#include "mien/console/console_exit.h"
+#include "mien/face/pose.h"
+#include "mien/io/character_file.h"
+#include "mien/io/gltf_writer.h"
+#include "mien/io/motion_file.h"
+#include "options.h"
+#include "outputs.h"
+
+namespace mien {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct FitArguments {
+  std::string input, output, character, shapes, vertices, format = ".csv", residuals;
+  double fps = 0, to_fps = 60, max_change = 0.1, mm_per_unit = 0;
+  int threads = hardware_threads();
+  bool force = false, json = false;
+};
+
+// One sequence to fit and where its coefficients go.
+struct Task {
+  fs::path input, output;
+};
+
+Result<std::vector<Task>> plan_tasks(const FitArguments& a, const std::vector<fs::path>& sequences) {
+  const bool is_folder = a.output.ends_with('/');
+  if (sequences.size() > 1 && !is_folder)
+    return Error{Errc::usage, "output '" + a.output + "'",
+                 "'" + a.input + "' holds " + std::to_string(sequences.size()) + " sequences",
+                 "Write into a folder: " + a.output + "/"};
+  std::vector<Task> tasks;
+  for (const fs::path& input : sequences)
+    tasks.push_back(
+        {input, is_folder ? fs::path(a.output) / (input.stem().string() + a.format) : fs::path(a.output)});
+  return tasks;
+}
+
+struct Line {
+  std::string name;
+  double mean = 0, most = 0;
+};
+
+double mean_of(const std::vector<double>& values) {
+  double sum = 0;
+  for (const double v : values) sum += v;
+  return values.empty() ? 0 : sum / static_cast<double>(values.size());
+}
+
+// Mean and largest residual of the frames, of the whole face and by region.
+std::vector<Line> lines_of(const FitResult& fit, double unit_mm) {
+  const auto line = [&](std::string name, const std::vector<double>& r) {
+    return Line{std::move(name), unit_mm * mean_of(r),
+                r.empty() ? 0 : unit_mm * *std::max_element(r.begin(), r.end())};
+  };
+  std::vector<Line> lines = {line("all", fit.residual)};
+  for (const auto& [name, residual] : fit.region_residual) lines.push_back(line(name, residual));
+  return lines;
+}
+
+std::string residual_rows(const std::string& name, const FitResult& fit, double unit_mm) {
+  std::string text;
+  for (std::size_t n = 0; n < fit.residual.size(); ++n) {
+    text += name + "," + std::to_string(n) + "," + fixed(unit_mm * fit.residual[n], 6);
+    for (const auto& [region, residual] : fit.region_residual) text += "," + fixed(unit_mm * residual[n], 6);
+    text += "\n";
+  }
+  return text;
+}
+
+void print_lines(const Task& task, const std::vector<Line>& lines, const FitResult& fit, double unit_mm,
+                 bool json) {
+  const std::string frames = std::to_string(fit.coefficients.num_frames());
+  if (json) {
+    std::string regions;
+    for (const Line& line : lines)
+      regions += (regions.empty() ? "" : ",") + json_string(line.name) +
+                 ":{\"mean_mm\":" + fixed(line.mean, 6) + ",\"max_mm\":" + fixed(line.most, 6) + "}";
+    std::printf(
+        "{\"input\":%s,\"output\":%s,\"frames\":%s,\"fps\":%s,\"mm_per_unit\":%s,\"residual\":{%s}}\n",
+        json_string(task.input.string()).c_str(), json_string(task.output.string()).c_str(), frames.c_str(),
+        fixed(fit.coefficients.fps, 3).c_str(), fixed(unit_mm, 6).c_str(), regions.c_str());
+    return;
+  }
+  std::printf("%s: %s frames\n  %-14s %10s %10s\n", task.input.string().c_str(), frames.c_str(),
+              "residual, mm", "mean", "worst");
+  for (const Line& line : lines)
+    std::printf("  %-14s %10s %10s\n", line.name.c_str(), fixed(line.mean, 4).c_str(),
+                fixed(line.most, 4).c_str());
+}
+
+// Characters are in metres, and so are sequences of which nothing else is known.
+double mm_per_unit(const Motion& sequence, double said) {
+  const auto known = known_topology(sequence.topology.num_vertices);
+  return said > 0 ? said : known && known->mm_per_unit > 0 ? known->mm_per_unit : 1000;
+}
+
+// Characters are in metres, meshes of a folder in the unit of the sequences.
+void scale_sequence(Motion& sequence, double metres_per_unit) {
+  if (metres_per_unit == 1) return;
+  for (float& v : sequence.values) v = static_cast<float>(metres_per_unit * v);
+}
+
+class Fitter {
+ public:
+  Fitter(const FitArguments& a, Character character, bool is_folder, ConsoleProgress& progress)
+      : a_(a), character_(std::move(character)), is_folder_(is_folder), progress_(progress) {}
+
+  Status fit(const Task& task) {
+    auto sequence = read_sequence(task.input, a_.fps);
+    if (!sequence) return sequence.error();
+    for (const auto& warning : sequence.warnings) progress_.warn(warning);
+    const double unit_mm = mm_per_unit(*sequence, a_.mm_per_unit);
+    if (!rig_ || sequence->topology.num_vertices != rig_vertices_) {
+      MIEN_TRY(rig_, fit_rig(character_, a_.shapes, a_.vertices, sequence->topology.num_vertices));
+      rig_vertices_ = sequence->topology.num_vertices;
+    }
+    Motion part = taken_vertices(*rig_, std::move(*sequence));
+    if (!is_folder_) scale_sequence(part, unit_mm / 1000);
+    if (a_.to_fps > 0 && part.fps != a_.to_fps) part = resample(part, a_.to_fps);
+    const FitOptions options{.lower = 0, .upper = 1, .max_change = a_.max_change, .num_threads = a_.threads};
+    const auto fitted =
+        fit_coefficients(rig_->neutral, rig_->shapes, part, rig_->regions, options, progress_);
+    if (!fitted) return within(fitted.error(), "'" + task.input.string() + "'");
+    const double mm = is_folder_ ? unit_mm : 1000;
+
+    Bytes glb;
+    if (task.output.extension() == ".glb") {
+      MIEN_TRY(glb, write_glb(character_, {.normals = true, .pivot = neck_pivot(character_), .extras = {}}));
+    }
+    const Status written =
+        write_motion(task.output, fitted->coefficients, {.character_glb = glb, .audio_name = "", .glb = {}});
+    if (!written) return written.error();
+    for (const auto& warning : written.warnings) progress_.warn(warning);
+    progress_.finish_line();
+    print_lines(task, lines_of(*fitted, mm), *fitted, unit_mm, a_.json);
+    if (residuals_.empty()) {
+      residuals_ = "sequence,frame,all_mm";
+      for (const auto& [region, residual] : fitted->region_residual) residuals_ += "," + region + "_mm";
+      residuals_ += "\n";
+    }
+    residuals_ += residual_rows(task.input.stem().string(), *fitted, mm);
+    num_frames_ += fitted->coefficients.num_frames();
+    return Done{};
+  }
+
+  [[nodiscard]] const std::string& residuals() const { return residuals_; }
+  [[nodiscard]] std::int64_t num_frames() const { return num_frames_; }
+
+ private:
+  const FitArguments& a_;
+  Character character_;
+  bool is_folder_;
+  ConsoleProgress& progress_;
+  std::optional<FitRig> rig_;
+  std::int64_t rig_vertices_ = 0, num_frames_ = 0;
+  std::string residuals_;
+};
+
+Status run_fit(const FitArguments& a, ConsoleProgress& progress) {
+  const auto start = std::chrono::steady_clock::now();
+  MIEN_TRY(const auto path, character_path(a.character));
+  MIEN_TRY(const auto sequences, find_sequences(a.input));
+  MIEN_TRY(auto tasks, plan_tasks(a, sequences));
+  const std::size_t num_found = tasks.size();
+  std::error_code problem;
+  if (a.output.ends_with('/')) {
+    fs::create_directories(a.output, problem);
+    if (problem) return Error{Errc::failed, "'" + a.output + "'", "cannot be made: " + problem.message(), ""};
+    if (!a.force) std::erase_if(tasks, [](const Task& task) { return fs::exists(task.output); });
+  }
+  constexpr OutputKind kKinds[] = {OutputKind::motion};
+  for (const Task& task : tasks) {
+    const std::string name = task.output.string();
+    const std::array<fs::path, 3> inputs = {task.input, path, a.vertices};
+    MIEN_TRY(const auto outputs, plan_outputs({&name, 1}, inputs, kKinds));
+    MIEN_TRY([[maybe_unused]] const auto writable, check_writable(outputs));
+  }
+  if (tasks.size() < num_found)
+    progress.say(std::to_string(num_found - tasks.size()) + " of " + std::to_string(num_found) +
+                 " outputs are there already; --force makes them again");
+  progress.event("start", "\"command\":\"fit\",\"input\":" + json_string(a.input) + ",\"outputs\":[" +
+                              json_string(a.output) + "]");
+  auto character = load_character(path);
+  if (!character) return character.error();
+  Fitter fitter(a, std::move(*character), fs::is_directory(path, problem), progress);
+  for (const Task& task : tasks) {
+    if (progress.cancelled()) return Error{Errc::cancelled, "", "interrupted", ""};
+    MIEN_TRY([[maybe_unused]] const auto done, fitter.fit(task));
+  }
+  if (std::fflush(stdout) != 0) return Error{Errc::failed, "standard output", "cannot be written", ""};
+  if (!a.residuals.empty()) {
+    MIEN_TRY([[maybe_unused]] const auto written,
+             write_file(a.residuals, std::string_view(fitter.residuals())));
+  }
+  const double taken = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  progress.event("success", "\"outputs\":[" + json_string(a.output) +
+                                "],\"sequences\":" + std::to_string(tasks.size()) + ",\"frames\":" +
+                                std::to_string(fitter.num_frames()) + ",\"seconds\":" + fixed(taken, 3));
+  progress.say("wrote " + a.output + ": " + std::to_string(tasks.size()) + " sequences, " +
+               std::to_string(fitter.num_frames()) + " frames in " + fixed(taken, 2) + " s");
+  return Done{};
+}
+
+}  // namespace
+
+void add_fit_command(CLI::App& program, Chosen& chosen) {
+  auto* command = program.add_subcommand("fit", "Find the coefficients of vertex sequences");
+  auto a = std::make_shared<FitArguments>();
+  command
+      ->add_option("INPUT", a->input,
+                   "A sequence: .npy, or a folder of .obj, .ply or .vl frames; or a folder of sequences")
+      ->required();
+  command
+      ->add_option(
+          "-o,--output", a->output,
+          "Coefficients (.csv .json .npy .glb), or a folder/ with a file per sequence; what is there "
+          "already is not made again")
+      ->required();
+  command->add_option(
+      "--character", a->character,
+      "The sequence's face with shapes (.glb .gltf .vrm .safetensors), or a folder of neutral.obj "
+      "and a mesh per shape. Default: Mien's head");
+  command->add_option("--shapes", a->shapes,
+                      "Shapes to use: said (the 32 of BlendVOCA) or names apart by commas. Default: all");
+  command->add_option("--vertices", a->vertices,
+                      "File of the vertices that count (BlendVOCA: FLAME_head_idx.txt). Default: all");
+  command->add_option("--fps", a->fps, "Frames a second of INPUT, 1 to 240. Default: known from the data set")
+      ->check(CLI::Range(1.0, 240.0));
+  command
+      ->add_option("--to-fps", a->to_fps, "Frames a second of the coefficients, 1 to 240; 0: those of INPUT")
+      ->check(CLI::Range(0.0, 240.0))
+      ->capture_default_str();
+  command
+      ->add_option("--max-change", a->max_change,
+                   "Most that a coefficient changes from frame to frame, 0.001 to 1")
+      ->check(CLI::Range(0.001, 1.0))
+      ->capture_default_str();
+  command
+      ->add_option("--mm-per-unit", a->mm_per_unit,
+                   "Length of a unit of INPUT. Default: known from the data set, else 1000: metres")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--format", a->format, "Files of an output folder: .csv, .json, .npy or .glb")
+      ->check(CLI::IsMember({".csv", ".json", ".npy", ".glb"}))
+      ->capture_default_str();
+  command->add_option("--residuals", a->residuals, "Table of what is left over in every frame (.csv)");
+  command->add_flag("--force", a->force, "Make outputs again that are there already");
+  add_threads_option(*command, a->threads);
+  command->add_flag("--quiet", chosen.quiet, "Print no progress");
+  command->add_flag("--json", chosen.json,
+                    "Print a JSON object per sequence, progress as JSON lines on stderr");
+  add_footer(*command,
+             "  mien fit take.npy --character face.glb -o take.csv --residuals left.csv\n"
+             "  mien fit vertices_npy --character blendshapes/ --vertices FLAME_head_idx.txt --shapes said "
+             "-o out/\n");
+  command->callback([a, &chosen] {
+    a->json = chosen.json;
+    chosen.work = [a](ConsoleProgress& progress) { return run_fit(*a, progress); };
+  });
+}
+
+}  // namespace mien

@@ -1,0 +1,134 @@
+// mien transfer and mien fit: shapes for another mesh, and coefficients back from its vertices.
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+#include "mien/base/file.h"
+#include "mien/io/character_file.h"
+#include "mien/io/mesh_file.h"
+#include "mien/io/motion_file.h"
+#include "program.h"
+
+namespace mien {
+namespace {
+
+using testing::Each;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::Lt;
+
+// A sheet of 0.2 m that bulges in the middle, raised by `jaw` below its middle and by `smile` at its left.
+std::string sheet_obj(int columns, int rows, double jaw = 0, double smile = 0) {
+  Mesh mesh;
+  for (int j = 0; j < rows; ++j)
+    for (int i = 0; i < columns; ++i) {
+      const double x = 2.0 * i / (columns - 1) - 1, y = 2.0 * j / (rows - 1) - 1;
+      const double z = 0.6 * std::exp(-3 * (x * x + y * y)) +
+                       jaw * std::exp(-4 * (x * x + (y + 0.5) * (y + 0.5))) +
+                       smile * std::exp(-4 * ((x - 0.5) * (x - 0.5) + y * y));
+      mesh.positions.push_back(
+          {static_cast<float>(0.1 * x), static_cast<float>(0.1 * y), static_cast<float>(0.1 * z)});
+      if (i + 1 == columns || j + 1 == rows) continue;
+      const auto v = static_cast<std::uint32_t>(j * columns + i), c = static_cast<std::uint32_t>(columns);
+      mesh.triangles.push_back({v, v + 1, v + c});
+      mesh.triangles.push_back({v + 1, v + c + 1, v + c});
+    }
+  return write_obj(mesh);
+}
+
+class FitTest : public ProgramTest {
+ protected:
+  FitTest() {
+    std::filesystem::create_directories(in_folder("shapes"));
+    write("shapes/Neutral.obj", sheet_obj(11, 11));
+    write("shapes/jawOpen.obj", sheet_obj(11, 11, 0.3));
+    write("shapes/mouthSmileLeft.obj", sheet_obj(11, 11, 0, 0.3));
+    write("target.obj", sheet_obj(17, 15));
+    write("pairs.csv", "source,target\n0,0\n10,16\n110,238\n120,254\n60,127\n");
+  }
+  [[nodiscard]] Outcome transfer(std::vector<std::string> more = {}) const {
+    std::vector<std::string> words = {"transfer",  "target.obj", "--from", "shapes",
+                                      "--markers", "pairs.csv",  "-o",     "made.glb"};
+    words.insert(words.end(), more.begin(), more.end());
+    return mien(words);
+  }
+  // Half a second at 60 fps.
+  [[nodiscard]] static Motion curves() {
+    Motion motion{MotionSpace::arkit, {"jawOpen", "mouthSmileLeft"}, 60, {}};
+    for (int n = 0; n < 30; ++n)
+      for (const double phase : {0.0, 1.5})
+        motion.values.push_back(static_cast<float>(0.4 + 0.3 * std::sin(0.15 * n + phase)));
+    return motion;
+  }
+};
+
+TEST_F(FitTest, ShapesOfAnotherMeshComeBackAsCoefficients) {
+  const auto made = transfer({"--json"});
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  const auto report = nlohmann::json::parse(made.out);
+  EXPECT_EQ(report.at("triangles_with_partner"), report.at("triangles"));
+  EXPECT_NEAR(report.at("shapes").at(0).at("target_mm").get<double>(), 30, 3);
+  const auto character = load_character(in_folder("made.glb"));
+  ASSERT_TRUE(character) << character.error().message();
+  ASSERT_EQ(character->parts.at(0).shapes.size(), 2u);
+
+  ASSERT_TRUE(write_motion(in_folder("curves.json"), curves()));
+  ASSERT_EQ(mien({"render", "curves.json", "--character", "made.glb", "-o", "moved.npy"}).exit_code, 0);
+  const auto fit = mien({"fit", "moved.npy", "--character", "made.glb", "--fps", "60", "-o", "back.json",
+                         "--residuals", "left.csv", "--json"});
+  ASSERT_EQ(fit.exit_code, 0) << fit.err;
+  EXPECT_LT(nlohmann::json::parse(fit.out).at("residual").at("all").at("max_mm").get<double>(), 1e-3);
+  const auto back = read_motion(in_folder("back.json"));
+  ASSERT_TRUE(back) << back.error().message();
+  const Motion truth = curves();
+  ASSERT_EQ(back->values.size(), truth.values.size());
+  for (std::size_t i = 0; i < truth.values.size(); ++i) EXPECT_NEAR(back->values[i], truth.values[i], 1e-3);
+  EXPECT_THAT(as_text(bytes_of("left.csv")), HasSubstr("sequence,frame,all_mm\nmoved,0,0.00"));
+}
+
+TEST_F(FitTest, AFolderOfSequencesIsFittedOnceWithASubsetOfVertices) {
+  ASSERT_EQ(transfer().exit_code, 0);
+  ASSERT_TRUE(write_motion(in_folder("curves.json"), curves()));
+  std::filesystem::create_directories(in_folder("many"));
+  for (const char* name : {"many/a.npy", "many/b.obj/"})
+    ASSERT_EQ(mien({"render", "curves.json", "--character", "made.glb", "-o", name}).exit_code, 0);
+  write("some.txt", "20-200\n");
+  const std::vector<std::string> words = {"fit",      "many",    "--character", "made.glb", "--fps", "30",
+                                          "--shapes", "jawOpen", "--vertices",  "some.txt", "-o",    "out/"};
+  const auto first = mien(words);
+  ASSERT_EQ(first.exit_code, 0) << first.err;
+  EXPECT_THAT(first.out, HasSubstr("60 frames"));  // 30 frames at 30 fps are read at 60
+  for (const char* name : {"out/a.csv", "out/b.csv"}) EXPECT_TRUE(std::filesystem::exists(in_folder(name)));
+  const auto again = mien(words);
+  EXPECT_EQ(again.exit_code, 0);
+  EXPECT_THAT(again.err, HasSubstr("2 of 2 outputs are there already"));
+  EXPECT_TRUE(again.out.empty());
+}
+
+TEST_F(FitTest, SaysWhatDoesNotFit) {
+  const auto expect = [](const Outcome& run, int code, const std::string& words) {
+    EXPECT_EQ(run.exit_code, code) << run.err;
+    EXPECT_THAT(run.err, HasSubstr(words));
+  };
+  expect(mien({"transfer", "target.obj", "--from", "shapes", "-o", "made.glb"}), 2,
+         "has no landmarks of its own");
+  expect(transfer({"--exclude", "0-999"}), 3, "vertex 999 does not exist: there are 255");
+  expect(mien({"transfer", "target.obj", "--from", "shapes", "--markers", "pairs.csv", "-o", "made.csv"}), 2,
+         "a character is written as .glb");
+  write("twice.csv", "0,0\n0,1\n5,5\n9,9\n");
+  expect(mien({"transfer", "target.obj", "--from", "shapes", "--markers", "twice.csv", "-o", "made.glb"}), 3,
+         "names the source vertex 0 again");
+  ASSERT_EQ(transfer().exit_code, 0);
+  ASSERT_TRUE(write_motion(in_folder("curves.json"), curves()));
+  expect(mien({"fit", "curves.json", "--character", "made.glb", "-o", "x.csv"}), 4,
+         "is not motion of vertices");
+  expect(mien({"fit", "shapes", "--character", "made.glb", "-o", "x.csv"}), 4, "has 121 vertices");
+  expect(mien({"fit", "shapes", "--character", "shapes", "--shapes", "jawOpn", "-o", "x.csv"}), 2,
+         "Did you mean jawOpen?");
+  expect(mien({"fit", "nothing.npy", "--character", "shapes", "-o", "x.csv"}), 3, "nothing.npy");
+  std::filesystem::create_directories(in_folder("empty"));
+  expect(mien({"fit", "empty", "--character", "shapes", "-o", "x.csv"}), 3, "holds no sequence");
+}
+
+}  // namespace
+}  // namespace mien

@@ -118,9 +118,23 @@ std::vector<fs::path> files_in(const std::vector<std::string>& names) {
 int main(int argc, char** argv) {
   using namespace mien;
   using namespace mien::fuzz;
-  const std::vector<Target> targets = {wav_target(),           safetensors_target(),   gltf_target(),
-                                       motion_csv_target(),    motion_json_target(),   npy_target(),
-                                       direction_csv_target(), direction_json_target()};
+  const std::vector<Target> targets = {wav_target(),
+                                       safetensors_target(),
+                                       gltf_target(),
+                                       motion_csv_target(),
+                                       motion_json_target(),
+                                       npy_target(),
+                                       direction_csv_target(),
+                                       direction_json_target(),
+                                       zip_target(),
+                                       pickle_target(),
+                                       torch_state_target(),
+                                       torch_target(),
+                                       obj_target(),
+                                       ply_target(),
+                                       vl_target(),
+                                       mask_csv_target(),
+                                       keys_csv_target()};
   CLI::App app("Gives damaged files to a reader until it breaks.");
   std::string name;
   std::vector<std::string> names, seeds;

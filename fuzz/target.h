@@ -32,6 +32,15 @@ Target motion_json_target();
 Target npy_target();
 Target direction_csv_target();
 Target direction_json_target();
+Target zip_target();
+Target pickle_target();
+Target torch_state_target();  ///< the pickle inside a checkpoint
+Target torch_target();
+Target obj_target();
+Target ply_target();
+Target vl_target();
+Target mask_csv_target();
+Target keys_csv_target();
 
 /// The outcome of a reader: `size` tells how much was read.
 template <class T>

@@ -6,7 +6,6 @@
 
 #include "mien/base/hash.h"
 #include "mien/base/number_text.h"
-#include "mien/core/arkit.h"
 #include "mien/motion/kept_join.h"
 
 namespace mien {
@@ -135,24 +134,30 @@ Motion smoothest(std::span<const Motion> tries, const KeptValues& kept,
 Result<std::vector<Motion>> edit(const DefaultModel& model, AudioReader& speech, const Motion& motion,
                                  const KeptValues& kept, const PerformOptions& options, int num_takes,
                                  int num_threads, Progress& progress) {
-  const Motion empty{MotionSpace::arkit, arkit_and_head_channels(), DefaultStream::kFps, {}};
+  const Motion empty = empty_default_motion();
   MIEN_TRY(const auto channels, common_channels(motion, kept, empty));
   PerformOptions own = options;
   own.seed = edit_seed(options.seed);
   own.kept = as_model(kept, motion, channels, empty.fps);
   const std::vector<FrameRange> stretches = stretches_of(kept);
   const int num_tries = stretches.empty() ? 1 : kTries;
-  auto tries = animate(model, speech, own, num_takes * num_tries, num_threads, progress);
-  if (!tries) return tries;
-  for (Motion& one : *tries) {
+  std::vector<Motion> tries(static_cast<std::size_t>(num_takes * num_tries), empty);
+  const FrameSink collect = [&](int take, std::span<const float> frames) -> Status {
+    auto& values = tries[static_cast<std::size_t>(take)].values;
+    values.insert(values.end(), frames.begin(), frames.end());
+    return Done{};
+  };
+  MIEN_TRY([[maybe_unused]] const auto made,
+           animate(model, speech, own, num_takes * num_tries, num_threads, progress, collect));
+  for (Motion& one : tries) {
     MIEN_TRY(one, finish(motion, kept, one, channels));
   }
   Result<std::vector<Motion>> takes{std::vector<Motion>()};
   for (int take = 0; take < num_takes; ++take)
-    takes->push_back(smoothest(std::span(*tries).subspan(static_cast<std::size_t>(take * num_tries),
-                                                         static_cast<std::size_t>(num_tries)),
+    takes->push_back(smoothest(std::span(tries).subspan(static_cast<std::size_t>(take * num_tries),
+                                                        static_cast<std::size_t>(num_tries)),
                                kept, stretches));
-  takes.warnings = tries.warnings;
+  takes.warnings = speech.warnings();
   return takes;
 }
 

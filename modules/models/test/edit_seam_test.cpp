@@ -64,11 +64,11 @@ TEST_P(EditSeams, AreAsSmoothAsTheClip) {
   const auto model = DefaultModel::load(model_path);
   ASSERT_TRUE(model) << model.error().message();
   Progress progress;
-  auto reader = AudioReader::open(recording());
-  ASSERT_TRUE(reader) << reader.error().message();
-  const auto animated = animate(*model, *reader, {}, 1, 1, progress);
+  const auto speech = load_audio(recording());
+  ASSERT_TRUE(speech) << speech.error().message();
+  const auto animated = animate(*model, *speech, {}, progress);
   ASSERT_TRUE(animated) << animated.error().message();
-  const Motion& motion = animated->front();
+  const Motion& motion = *animated;
 
   std::array<double, num_parts> own{};
   for (const Part part : {lips, upper, gaze, head}) {

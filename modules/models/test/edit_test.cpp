@@ -39,10 +39,9 @@ class EditTest : public testing::Test {
   ~EditTest() override { fs::remove(path_); }
 
   Motion animated(std::uint64_t seed = 0) {
-    auto reader = AudioReader::open(path_);
     PerformOptions options;
     options.seed = seed;
-    return animate(model_, *reader, options, 1, 1, progress_)->front();
+    return *animate(model_, *load_audio(path_), options, progress_);
   }
   Result<std::vector<Motion>> edited(const Motion& motion, const KeptValues& kept, int takes = 1,
                                      int threads = 1, std::uint64_t seed = 0) {

@@ -37,13 +37,19 @@ function(mien_module name)
   endif()
 endfunction()
 
+# A test program: its own code need not be fast, but there is much of it, and it compiles in 60 to 80 % of the time.
+function(mien_test_flags target)
+  mien_target_flags(${target})
+  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
+endfunction()
+
 function(mien_room_test name)
   if(NOT MIEN_TESTS)
     return()
   endif()
   cmake_parse_arguments(T "" "" "SOURCES;LINK" ${ARGN})
   add_executable(mien_${name}_test ${T_SOURCES})
-  mien_target_flags(mien_${name}_test)
+  mien_test_flags(mien_${name}_test)
   target_link_libraries(mien_${name}_test PRIVATE mien::${name} ${T_LINK} GTest::gmock GTest::gtest_main)
   # MIEN_SHARED_DIR: recordings, faces and fixtures beside the project. Tests that need an absent file are skipped by name.
   target_compile_definitions(mien_${name}_test PRIVATE

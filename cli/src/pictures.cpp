@@ -53,13 +53,15 @@ Result<std::vector<double>> parse_times(const std::string& text) {
   return times;
 }
 
-Status write_pictures(const Output& output, const Motion& motion, const Character& character,
-                      const AudioClip* sound, const PictureOptions& options, Progress& progress) {
+Status write_pictures(const Output& output, const std::vector<const Motion*>& motions,
+                      const Character& character, const AudioClip* sound, const PictureOptions& options,
+                      Progress& progress) {
   MotionPictureOptions look;
   look.shading.width = options.width;
   look.shading.height = options.height;
+  look.labels = options.labels;
   MIEN_TRY(look.view, parse_view(options.view));
-  auto picture = MotionPicture::create(character, {&motion}, look);
+  auto picture = MotionPicture::create(character, motions, look);
   if (!picture) return picture.error();
   const FilmOptions film{.fps = options.fps, .num_threads = options.threads};
   Status status = output.kind == OutputKind::sheet ? write_sheet(output.path, *picture, options)
@@ -69,6 +71,11 @@ Status write_pictures(const Output& output, const Motion& motion, const Characte
   if (status)
     status.warnings.insert(status.warnings.begin(), picture.warnings.begin(), picture.warnings.end());
   return status;
+}
+
+Status write_pictures(const Output& output, const Motion& motion, const Character& character,
+                      const AudioClip* sound, const PictureOptions& options, Progress& progress) {
+  return write_pictures(output, std::vector{&motion}, character, sound, options, progress);
 }
 
 }  // namespace mien

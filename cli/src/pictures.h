@@ -20,6 +20,7 @@ struct PictureOptions {
   std::vector<double> times = {};  ///< instants of a contact sheet; empty: twelve, evenly spread
   int columns = 4;                 ///< of a contact sheet
   int threads = 1;
+  std::vector<std::string> labels = {};  ///< of motions side by side, one for each; or none
 };
 
 /// "512" or "640x480". Errors (Errc::usage).
@@ -29,8 +30,11 @@ Status check_view(const std::string& name);
 /// "0.5,1.25": seconds. Errors (Errc::usage).
 Result<std::vector<double>> parse_times(const std::string& text);
 
-/// Draws a motion on a character into a video (with the sound when there is one), numbered pictures or a
-/// contact sheet. @pre output.is_picture(); sound may be null
+/// Draws motions on a character, side by side, into a video (with the sound when there is one), numbered
+/// pictures or a contact sheet. @pre output.is_picture(); at least one motion; sound may be null
+Status write_pictures(const Output& output, const std::vector<const Motion*>& motions,
+                      const Character& character, const AudioClip* sound, const PictureOptions& options,
+                      Progress& progress);
 Status write_pictures(const Output& output, const Motion& motion, const Character& character,
                       const AudioClip* sound, const PictureOptions& options, Progress& progress);
 

@@ -2,6 +2,7 @@
 #include <chrono>
 
 #include "character_source.h"
+#include "heat_map.h"
 #include "mien/audio/load_audio.h"
 #include "mien/base/number_text.h"
 #include "mien/base/parallel.h"
@@ -17,85 +18,175 @@ namespace mien {
 namespace {
 
 struct RenderArguments {
-  std::string motion, character, audio, output, size, view = "portrait", times;
+  std::vector<std::string> motions;
+  std::string character, audio, output, size, view = "portrait", times, heat_map;
   VertexOptions vertices;
   double fps = 30, motion_fps = 0;
   int columns = 4;
   int threads = hardware_threads();
 };
 
-Status render_vertices(const RenderArguments& a, const Output& output, const Motion& motion,
-                       const VertexShow& show, ConsoleProgress& progress) {
-  const auto mesh = vertex_mesh(a.vertices, motion);
+// What is drawn or written, all found out before the work.
+struct Job {
+  const RenderArguments& a;
+  Output output;
+  std::filesystem::path character_path;
+  std::vector<Motion> motions;  // all of coefficients, or all of vertices
+  std::optional<AudioClip> sound;
+  PictureOptions pictures;
+  std::optional<HeatStatistic> heat;
+};
+
+Status check_together(const RenderArguments& a, const Output& output, std::span<const Motion> motions) {
+  for (std::size_t i = 1; i < motions.size(); ++i) {
+    const Motion &first = motions[0], &other = motions[i];
+    if ((first.space == MotionSpace::vertices) != (other.space == MotionSpace::vertices) ||
+        first.topology.num_vertices != other.topology.num_vertices)
+      return Error{Errc::incompatible, "'" + a.motions[i] + "'",
+                   "moves other things than '" + a.motions[0] + "'",
+                   "Side by side go motions of coefficients, or motions of the same vertices"};
+  }
+  if (motions.size() > 1 && !output.is_picture())
+    return Error{Errc::usage, "output '" + output.path.string() + "'",
+                 "holds one motion; " + std::to_string(motions.size()) + " were given",
+                 "Write a video or pictures, or one motion at a time"};
+  return Done{};
+}
+
+// Motions of vertices in metres on their mesh.
+Result<std::vector<VertexStage>> staged(const Job& job, const std::vector<Motion>& motions,
+                                        const Mesh& mesh) {
+  std::vector<VertexStage> stages;
+  const LengthScale scale = length_scale(motions.front(), job.a.vertices.mm_per_unit);
+  for (const Motion& motion : motions) {
+    MIEN_TRY(stages.emplace_back(),
+             stage_vertices(motion, mesh, scale,
+                            job.a.vertices.inverted ? DataAxes::inverted : DataAxes::upright));
+  }
+  return stages;
+}
+
+Status draw_vertices(const Job& job, const std::vector<Motion>& motions, const Mesh& mesh,
+                     ConsoleProgress& progress) {
+  if (mesh.triangles.empty())
+    return Error{Errc::usage, "output '" + job.output.path.string() + "'", "a picture needs triangles",
+                 "Pass --mesh FILE with the template of the data set (.obj or .ply)"};
+  MIEN_TRY(const auto stages, staged(job, motions, mesh));
+  if (job.heat) return write_heat_map(job.output.path, stages, job.pictures.labels, *job.heat, job.pictures);
+  std::vector<const Motion*> shown;
+  for (const VertexStage& stage : stages) shown.push_back(&stage.motion);
+  return write_pictures(job.output, shown, stages.front().character, job.sound ? &*job.sound : nullptr,
+                        job.pictures, progress);
+}
+
+Status render_vertices(const Job& job, ConsoleProgress& progress) {
+  const auto mesh = vertex_mesh(job.a.vertices, job.motions.front());
   if (!mesh) return mesh.error();
-  const bool needs_triangles = output.kind != OutputKind::motion || output.is_glb();
+  const bool needs_triangles = job.output.kind != OutputKind::motion || job.output.is_glb();
   if (needs_triangles)
     for (const auto& warning : mesh.warnings) progress.warn(warning);
-  return write_vertex_output(output, motion, *mesh, a.vertices, show, progress);
+  if (job.output.is_picture()) return draw_vertices(job, job.motions, *mesh, progress);
+  return write_vertex_output(job.output, job.motions.front(), *mesh, job.a.vertices,
+                             {job.pictures, nullptr, ""}, progress);
 }
 
 // Coefficients move a character: into pictures, its .glb, or the positions of its vertices.
-Status render_curves(const RenderArguments& a, const std::filesystem::path& path, const Output& output,
-                     const Motion& motion, const VertexShow& show, ConsoleProgress& progress) {
-  if (output.is_glb()) {
-    MIEN_TRY(const Bytes glb, character_glb(path));
-    return write_motion(output.path, motion, {.character_glb = glb, .audio_name = "", .glb = {}});
+Status render_curves(const Job& job, ConsoleProgress& progress) {
+  const Motion& first = job.motions.front();
+  if (job.output.is_glb()) {
+    MIEN_TRY(const Bytes glb, character_glb(job.character_path));
+    return write_motion(job.output.path, first, {.character_glb = glb, .audio_name = "", .glb = {}});
   }
-  auto character = load_character(path);
+  auto character = load_character(job.character_path);
   if (!character) return character.error();
   for (const auto& warning : character.warnings) progress.warn(warning);
-  if (output.is_picture())
-    return write_pictures(output, motion, *character, show.sound, show.pictures, progress);
-  MIEN_TRY(const Motion vertices, vertex_sequence(*character, motion, show.pictures.threads));
-  return write_vertex_output(output, vertices, merged_mesh(*character), a.vertices, show, progress);
+  if (job.output.is_picture() && !job.heat) {
+    std::vector<const Motion*> shown;
+    for (const Motion& motion : job.motions) shown.push_back(&motion);
+    return write_pictures(job.output, shown, *character, job.sound ? &*job.sound : nullptr, job.pictures,
+                          progress);
+  }
+  std::vector<Motion> vertices;
+  for (const Motion& motion : job.motions) {
+    MIEN_TRY(vertices.emplace_back(), vertex_sequence(*character, motion, job.a.threads));
+  }
+  if (job.heat) return draw_vertices(job, vertices, merged_mesh(*character), progress);
+  return write_vertex_output(job.output, vertices.front(), merged_mesh(*character), job.a.vertices,
+                             {job.pictures, nullptr, ""}, progress);
+}
+
+Result<Job> plan(const RenderArguments& a) {
+  Job job{.a = a,
+          .output = {},
+          .character_path = {},
+          .motions = {},
+          .sound = {},
+          .pictures = {.fps = a.fps, .view = a.view, .columns = a.columns, .threads = a.threads},
+          .heat = {}};
+  MIEN_TRY([[maybe_unused]] const auto view, check_view(a.view));
+  if (!a.times.empty()) {
+    MIEN_TRY(job.pictures.times, parse_times(a.times));
+  }
+  MIEN_TRY(job.character_path, character_path(a.character));
+  constexpr OutputKind kKinds[] = {OutputKind::video, OutputKind::sheet, OutputKind::frames,
+                                   OutputKind::motion, OutputKind::meshes};
+  std::vector<std::filesystem::path> inputs = {a.audio, job.character_path, a.vertices.mesh};
+  inputs.insert(inputs.end(), a.motions.begin(), a.motions.end());
+  MIEN_TRY(const auto outputs, plan_outputs({&a.output, 1}, inputs, kKinds));
+  job.output = outputs.front();
+  const bool is_sheet = job.output.kind == OutputKind::sheet;
+  if (!a.heat_map.empty()) {
+    MIEN_TRY(job.heat, parse_heat_statistic(a.heat_map));
+    if (!is_sheet)
+      return Error{Errc::usage, "--heatmap", "is a picture: '" + a.output + "' is none", "Write a .png"};
+    if (!a.times.empty())
+      return Error{Errc::usage, "--times", "a heat map is of the whole motion", "Leave it out"};
+  }
+  MIEN_TRY(const auto size, parse_size(!a.size.empty() ? a.size : is_sheet && !job.heat ? "256" : "512"));
+  job.pictures.width = size.first, job.pictures.height = size.second;
+  if (a.motions.size() > 1)
+    for (const auto& motion : a.motions)
+      job.pictures.labels.push_back(std::filesystem::path(motion).stem().string());
+  if (!a.audio.empty() && job.output.kind != OutputKind::video)
+    return Error{Errc::usage, "--audio", "only videos have sound: '" + a.output + "' is none",
+                 "Leave --audio out, or write .mp4 or .webm"};
+  return job;
+}
+
+Status read_inputs(Job& job, ConsoleProgress& progress) {
+  for (const auto& path : job.a.motions) {
+    auto motion = read_motion(path, {.fps = job.a.motion_fps});
+    if (!motion) return motion.error();
+    for (const auto& warning : motion.warnings) progress.warn(warning);
+    job.motions.push_back(std::move(*motion));
+  }
+  MIEN_TRY([[maybe_unused]] const auto together, check_together(job.a, job.output, job.motions));
+  if (job.a.audio.empty()) return Done{};
+  auto clip = load_audio(job.a.audio);
+  if (!clip) return clip.error();
+  for (const auto& warning : clip.warnings) progress.warn(warning);
+  job.sound = std::move(*clip);
+  return Done{};
 }
 
 Status run_render(const RenderArguments& a, ConsoleProgress& progress) {
   const auto start = std::chrono::steady_clock::now();
-  PictureOptions options{.fps = a.fps, .view = a.view, .columns = a.columns, .threads = a.threads};
-  MIEN_TRY([[maybe_unused]] const auto view, check_view(a.view));
-  if (!a.times.empty()) {
-    MIEN_TRY(options.times, parse_times(a.times));
-  }
-  MIEN_TRY(const auto path, character_path(a.character));
-  constexpr OutputKind kKinds[] = {OutputKind::video, OutputKind::sheet, OutputKind::frames,
-                                   OutputKind::motion, OutputKind::meshes};
-  const std::array<std::filesystem::path, 4> inputs = {a.motion, a.audio, path, a.vertices.mesh};
-  MIEN_TRY(const auto outputs, plan_outputs({&a.output, 1}, inputs, kKinds));
-  const Output& output = outputs.front();
-  MIEN_TRY(const auto size, parse_size(!a.size.empty()                    ? a.size
-                                       : output.kind == OutputKind::sheet ? "256"
-                                                                          : "512"));
-  options.width = size.first, options.height = size.second;
-  if (!a.audio.empty() && output.kind != OutputKind::video)
-    return Error{Errc::usage, "--audio", "only videos have sound: '" + a.output + "' is none",
-                 "Leave --audio out, or write .mp4 or .webm"};
-
-  progress.event("start", "\"command\":\"render\",\"input\":" + json_string(a.motion) + ",\"outputs\":[" +
-                              json_string(output.path.string()) + "]");
-  MIEN_TRY([[maybe_unused]] const auto writable, check_writable(outputs));
-  auto motion = read_motion(a.motion, {.fps = a.motion_fps});
-  if (!motion) return motion.error();
-  std::optional<AudioClip> sound;
-  if (!a.audio.empty()) {
-    auto clip = load_audio(a.audio);
-    if (!clip) return clip.error();
-    for (const auto& warning : clip.warnings) progress.warn(warning);
-    sound = std::move(*clip);
-  }
-  for (const auto& warning : motion.warnings) progress.warn(warning);
-
-  const VertexShow show{options, sound ? &*sound : nullptr, ""};
-  const auto done = motion->space == MotionSpace::vertices
-                        ? render_vertices(a, output, *motion, show, progress)
-                        : render_curves(a, path, output, *motion, show, progress);
+  MIEN_TRY(Job job, plan(a));
+  progress.event("start", "\"command\":\"render\",\"input\":" + json_string(a.motions.front()) +
+                              ",\"outputs\":[" + json_string(job.output.path.string()) + "]");
+  MIEN_TRY([[maybe_unused]] const auto writable, check_writable({&job.output, 1}));
+  MIEN_TRY([[maybe_unused]] const auto read, read_inputs(job, progress));
+  const auto done = job.motions.front().space == MotionSpace::vertices ? render_vertices(job, progress)
+                                                                       : render_curves(job, progress);
   if (!done) return done.error();
   for (const auto& warning : done.warnings) progress.warn(warning);
+  double seconds = 0;
+  for (const Motion& motion : job.motions) seconds = std::max(seconds, motion.seconds());
   const double taken = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  progress.event("success", "\"outputs\":[" + json_string(output.path.string()) + "],\"motion_seconds\":" +
-                                fixed(motion->seconds(), 3) + ",\"seconds\":" + fixed(taken, 3));
-  progress.say("wrote " + a.output + ": " + fixed(motion->seconds(), 2) + " s of motion in " +
-               fixed(taken, 2) + " s");
+  progress.event("success", "\"outputs\":[" + json_string(job.output.path.string()) +
+                                "],\"motion_seconds\":" + fixed(seconds, 3) +
+                                ",\"seconds\":" + fixed(taken, 3));
+  progress.say("wrote " + a.output + ": " + fixed(seconds, 2) + " s of motion in " + fixed(taken, 2) + " s");
   return Done{};
 }
 
@@ -104,7 +195,10 @@ Status run_render(const RenderArguments& a, ConsoleProgress& progress) {
 void add_render_command(CLI::App& program, Chosen& chosen) {
   auto* command = program.add_subcommand("render", "Put a motion on a face: a video, pictures or meshes");
   auto a = std::make_shared<RenderArguments>();
-  command->add_option("MOTION", a->motion, "Motion file: .glb .csv .json .npy")->required();
+  command
+      ->add_option("MOTION", a->motions,
+                   "Motion file: .glb .csv .json .npy. Several are shown side by side, named by their files")
+      ->required();
   command
       ->add_option(
           "-o,--output", a->output,
@@ -130,12 +224,17 @@ void add_render_command(CLI::App& program, Chosen& chosen) {
   command->add_option("--columns", a->columns, "Pictures in a row of a contact sheet, 1 to 64")
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
+  command->add_option(
+      "--heatmap", a->heat_map,
+      "A picture of how far each vertex moves from frame to frame: mean, or std (its spread)");
   add_threads_option(*command, a->threads);
   add_console_options(*command, chosen);
   add_footer(*command,
              "  mien render hello.glb --audio hello.wav -o hello.mp4\n"
              "  mien render predicted.npy --mesh template.obj -o predicted.glb --max-error 0.05\n"
-             "  mien render hello.csv --view mouth --times 0.4,0.8,1.2 -o sheet.png\n");
+             "  mien render hello.csv --view mouth --times 0.4,0.8,1.2 -o sheet.png\n"
+             "  mien render truth.npy model.npy --mesh template.obj --audio hello.wav -o both.mp4\n"
+             "  mien render take-1.csv take-2.csv take-3.csv --heatmap std -o spread.png\n");
   command->callback(
       [a, &chosen] { chosen.work = [a](ConsoleProgress& progress) { return run_render(*a, progress); }; });
 }

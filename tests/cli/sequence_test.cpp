@@ -9,6 +9,7 @@
 #include "mien/io/motion_file.h"
 #include "mien/io/npy.h"
 #include "mien/io/vl.h"
+#include "mien/render/png.h"
 #include "program.h"
 
 namespace mien {
@@ -102,6 +103,38 @@ TEST_F(SequenceTest, CurvesBecomeVerticesOfTheirCharacter) {
   // The head's own triangles are found by the number of vertices.
   const auto run = mien({"render", "a.npy", "-o", "a.png", "--size", "64"});
   EXPECT_EQ(run.exit_code, 0) << run.err;
+}
+
+TEST_F(SequenceTest, MotionsAreShownSideBySide) {
+  ASSERT_EQ(animate({"-o", "a.csv", "-o", "b.csv"}).exit_code, 0);
+  const auto run = mien({"render", "a.csv", "b.csv", "-o", "both.png", "--size", "40", "--times", "1"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto picture = read_png(in_folder("both.png"));
+  ASSERT_TRUE(picture);
+  EXPECT_GE(picture->width(), 80);
+  const auto file = mien({"render", "a.csv", "b.csv", "-o", "both.npy"});
+  EXPECT_EQ(file.exit_code, 2);
+  EXPECT_THAT(file.err, HasSubstr("holds one motion; 2 were given"));
+  const auto mixed = mien({"render", "a.csv", "wave.npy", "-o", "both.png"});
+  EXPECT_EQ(mixed.exit_code, 4);
+  EXPECT_THAT(mixed.err, HasSubstr("moves other things than 'a.csv'"));
+}
+
+TEST_F(SequenceTest, HeatMapsShowWhereAFaceMoves) {
+  for (const char* statistic : {"mean", "std"}) {
+    const auto run = mien({"render", "wave.npy", "wave.npy", "--mesh", "square.obj", "--motion-fps", "30",
+                           "--heatmap", statistic, "-o", "heat.png", "--size", "48"});
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+    const auto picture = read_png(in_folder("heat.png"));
+    ASSERT_TRUE(picture);
+    EXPECT_GE(picture->width(), 96);
+    EXPECT_GT(picture->height(), 48);
+  }
+  ASSERT_EQ(animate({"-o", "a.csv"}).exit_code, 0);
+  EXPECT_EQ(mien({"render", "a.csv", "--heatmap", "mean", "-o", "heat.png", "--size", "48"}).exit_code, 0);
+  EXPECT_THAT(mien({"render", "a.csv", "--heatmap", "max", "-o", "heat.png"}).err,
+              HasSubstr("Known: mean, std"));
+  EXPECT_EQ(mien({"render", "a.csv", "--heatmap", "std", "-o", "heat.mp4"}).exit_code, 2);
 }
 
 TEST_F(SequenceTest, EvaluateComparesSequencesWithTheTruth) {

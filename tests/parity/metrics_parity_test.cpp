@@ -8,6 +8,7 @@
 #include "mien/metrics/surface_distance.h"
 #include "mien/metrics/vertex_error.h"
 #include "mien/metrics/vertex_regions.h"
+#include "mien/metrics/vertex_travel.h"
 
 namespace mien::parity {
 namespace {
@@ -113,6 +114,30 @@ TEST(MetricsParity, ControlErrors) {
     MIEN_EXPECT_CLOSE(Values{errors.absolute_fdd()}, fixture.doubles("expected.ABS_C_FDD"), "metrics.energy");
     EXPECT_EQ(static_cast<double>(errors.num_frames()), fixture.doubles("expected.frames")[0]);
     ++replayed;
+  });
+}
+
+TEST(MetricsParity, HeatMaps) {
+  const std::string mean = "out.heatmap_mean_seq", deviation = "out.heatmap_std_seq";
+  for_each_case("probtalk3d", "metrics", ".safetensors", [&](const std::string& name) {
+    const Fixture fixture("probtalk3d", "metrics" + name + ".safetensors");
+    const auto maps = names_of(fixture, mean);  // "1_sample0": of a sequence and one of its samples
+    ASSERT_FALSE(maps.empty());
+    for (const auto& map : maps) {
+      const auto cut = map.find("_sample");
+      ASSERT_NE(cut, std::string::npos) << map;
+      const std::string samples = "in.seq" + map.substr(0, cut) + ".samples";
+      const auto shape = fixture.file().find(samples)->shape;  // [samples, N, V, 3]
+      const auto count = static_cast<std::size_t>(shape[1] * shape[2] * shape[3]);
+      const auto all = fixture.tensor(samples).values();
+      const auto own = all.subspan(std::stoul(map.substr(cut + 7)) * count, count);
+      const auto travel = vertex_travel(vertex_motion({"recorded", shape[2]}, 25, {own.begin(), own.end()}));
+      ASSERT_TRUE(travel) << travel.error().message();
+      MIEN_EXPECT_CLOSE(Values(travel->mean.begin(), travel->mean.end()), fixture.doubles(mean + map),
+                        "metrics.heat");
+      MIEN_EXPECT_CLOSE(Values(travel->deviation.begin(), travel->deviation.end()),
+                        fixture.doubles(deviation + map), "metrics.heat");
+    }
   });
 }
 

@@ -9,6 +9,7 @@
 #include "mien/metrics/surface_distance.h"
 #include "mien/metrics/vertex_error.h"
 #include "mien/metrics/vertex_regions.h"
+#include "mien/metrics/vertex_travel.h"
 
 namespace mien {
 namespace {
@@ -165,6 +166,25 @@ TEST(SurfaceDistance, IsZeroOnTheSurfaceAndTheSameForAnyNumberOfThreads) {
   EXPECT_EQ(surface_distance(truth, predicted, std::vector<Triangle>{{0, 1, 30}}).error().code,
             Errc::incompatible);
   EXPECT_EQ(surface_distance(truth, vertex_motion({"", 1}, 25), triangles).error().code, Errc::incompatible);
+}
+
+TEST(VertexTravel, HasTheValuesOfASumByHand) {
+  // Vertex 0 goes 3, then 5; vertex 1 stays.
+  const auto travel = vertex_travel(pair_motion({0, 0, 0, 1, 1, 1, 3, 0, 0, 1, 1, 1, 3, 3, 4, 1, 1, 1}));
+  ASSERT_TRUE(travel);
+  EXPECT_EQ(travel->mean, (std::vector<float>{4, 0}));
+  EXPECT_EQ(travel->deviation, (std::vector<float>{1, 0}));
+}
+
+TEST(VertexTravel, NeedsTwoFramesOfVertices) {
+  EXPECT_EQ(vertex_travel(pair_motion({})).error().code, Errc::input);
+  EXPECT_EQ(vertex_travel(pair_motion({0, 0, 0, 1, 1, 1})).error().code, Errc::input);
+  EXPECT_EQ(vertex_travel({MotionSpace::arkit, {"jawOpen"}, 60, {0, 1}}).error().code, Errc::incompatible);
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const auto travel = vertex_travel(pair_motion({0, 0, 0, nan, 0, 0, 0, 0, 0, nan, 0, 0}));
+  ASSERT_TRUE(travel);
+  EXPECT_EQ(travel->mean[0], 0);
+  EXPECT_TRUE(std::isnan(travel->mean[1]));
 }
 
 }  // namespace

@@ -33,7 +33,7 @@ Status direct(const AnimateArguments& a, const ModelFile& model, AnimatePlan& p)
     MIEN_TRY([[maybe_unused]] const auto precision, encoder_precision(a.face));
   }
   if (p.system == System::said) {
-    auto options = said_options(a.words, a.face, a.said, model.diffusion ? model.diffusion->steps : 1);
+    auto options = said_options(a.words, a.face, a.said, trained_steps(model));
     if (!options) return options.error();
     p.said = *options;
     Status status = Done{};

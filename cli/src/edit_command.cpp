@@ -13,6 +13,7 @@
 #include "options.h"
 #include "outputs.h"
 #include "pictures.h"
+#include "said_director.h"
 #include "share.h"
 #include "vertex_outputs.h"
 
@@ -27,6 +28,7 @@ struct EditArguments {
   KeepWords keep;
   DirectionWords words;
   FaceWords face;
+  SaidWords said;
   VertexOptions vertices;
   int takes = 1;
   double motion_fps = 0;
@@ -99,38 +101,58 @@ Status write_takes(const EditArguments& a, const Targets& t, const std::vector<M
 }
 
 // The takes of the model that the arguments name.
-Result<std::vector<Motion>> perform(const EditArguments& a, const fs::path& path, bool is_published,
+Result<std::vector<Motion>> perform(const EditArguments& a, const fs::path& path, const ModelFile& model,
                                     const Motion& motion, const KeptValues& kept, ConsoleProgress& progress) {
-  if (!is_published) {
+  if (model.architecture == Architecture::default_model) {
     MIEN_TRY(const PerformOptions options, perform_options(a.words));
     MIEN_TRY(AudioReader speech, AudioReader::open(a.speech));
-    MIEN_TRY(const DefaultModel model, DefaultModel::load(path));
-    return edit(model, speech, motion, kept, options, a.takes, a.threads, progress);
+    MIEN_TRY(const DefaultModel standard, DefaultModel::load(path));
+    return edit(standard, speech, motion, kept, options, a.takes, a.threads, progress);
   }
-  MIEN_TRY(const FaceOptions options, face_options(a.words, a.face));
   MIEN_TRY(const EncoderPrecision precision, encoder_precision(a.face));
   const auto speech = load_audio(a.speech);
   if (!speech) return speech.error();
-  MIEN_TRY(const FaceModel model, FaceModel::load(path, a.threads, precision));
-  auto takes = edit(model, *speech, motion, kept, options, a.takes, a.threads, progress);
+  Result<std::vector<Motion>> takes{std::vector<Motion>()};
+  if (model.architecture == Architecture::said) {
+    MIEN_TRY(const SaidOptions options, said_options(a.words, a.face, a.said, trained_steps(model)));
+    MIEN_TRY(const SaidModel said, SaidModel::load(path, precision));
+    takes = edit(said, *speech, motion, kept, options, a.takes, a.threads, progress);
+  } else {
+    MIEN_TRY(const FaceOptions options, face_options(a.words, a.face));
+    MIEN_TRY(const FaceModel face, FaceModel::load(path, a.threads, precision));
+    takes = edit(face, *speech, motion, kept, options, a.takes, a.threads, progress);
+  }
   if (takes) takes.warnings.insert(takes.warnings.end(), speech.warnings.begin(), speech.warnings.end());
   return takes;
 }
 
-// Whether the model is FaceXHuBERT or FaceDiffuser. Errors (Errc::usage): words that are not for it.
-Result<bool> is_published(const EditArguments& a, const SafetensorsFile& file) {
-  const auto model = read_model_file(file.metadata());
+// The model's description. Errors (Errc::usage): words that are not for it.
+Result<ModelFile> describe(const EditArguments& a, const SafetensorsFile& file) {
+  auto model = read_model_file(file.metadata());
   if (!model) return within(model.error(), "loading model '" + a.model + "'");
-  if (FaceModel::runs(model->architecture)) {
-    MIEN_TRY([[maybe_unused]] const auto options, face_options(a.words, a.face));
-    MIEN_TRY([[maybe_unused]] const auto precision, encoder_precision(a.face));
-    return true;
-  }
-  if (const std::string word = a.face.used(); !word.empty())
-    return Error{Errc::usage, word, "does not apply to this model: it is for FaceXHuBERT and FaceDiffuser",
+  const auto other = [](const std::string& word, const std::string& whose) {
+    return Error{Errc::usage, word, "does not apply to this model: it is for " + whose,
                  "Leave it out, or name such a model with --model"};
-  MIEN_TRY([[maybe_unused]] const auto options, perform_options(a.words));
-  return false;
+  };
+  const bool is_said = model->architecture == Architecture::said;
+  if (const std::string word = a.said.used(); !word.empty() && !is_said) return other(word, "SAiD");
+  if (model->architecture == Architecture::default_model) {
+    if (const std::string word = a.face.used(); !word.empty()) return other(word, "the published systems");
+    MIEN_TRY([[maybe_unused]] const auto options, perform_options(a.words));
+    return model;
+  }
+  MIEN_TRY([[maybe_unused]] const auto precision, encoder_precision(a.face));
+  if (is_said) {
+    if (!a.said.init.empty() || a.face.window_s > 0)
+      return Error{Errc::usage, a.said.init.empty() ? "--window" : "--init", "does not apply to an edit",
+                   "Leave it out"};
+    auto options = said_options(a.words, a.face, a.said, trained_steps(*model));
+    if (!options) return options.error();
+    model.warnings = options.warnings;
+    return model;
+  }
+  MIEN_TRY([[maybe_unused]] const auto options, face_options(a.words, a.face));
+  return model;
 }
 
 Status run_edit(const EditArguments& a, ConsoleProgress& progress) {
@@ -140,7 +162,9 @@ Status run_edit(const EditArguments& a, ConsoleProgress& progress) {
     MIEN_TRY(model_path, shared_file("default.safetensors", "--model FILE"));
   }
   MIEN_TRY(const SafetensorsFile model_file, SafetensorsFile::open(model_path));
-  MIEN_TRY(const bool published, is_published(a, model_file));
+  const auto model = describe(a, model_file);
+  if (!model) return model.error();
+  for (const auto& warning : model.warnings) progress.warn(warning);
   const auto motion = read_motion(a.motion, {.fps = a.motion_fps});
   if (!motion) return motion.error();
   for (const auto& warning : motion.warnings) progress.warn(warning);
@@ -154,7 +178,7 @@ Status run_edit(const EditArguments& a, ConsoleProgress& progress) {
                    ",\"speech\":" + json_string(a.speech) + ",\"model\":" + json_string(model_path.string()) +
                    ",\"outputs\":" + json_list(t.outputs) + ",\"seed\":" + std::to_string(a.words.seed));
 
-  const auto takes = perform(a, model_path, published, *motion, *kept, progress);
+  const auto takes = perform(a, model_path, *model, *motion, *kept, progress);
   if (!takes) return within(takes.error(), "editing '" + a.motion + "'");
   for (const auto& warning : takes.warnings) progress.warn(warning);
   MIEN_TRY([[maybe_unused]] const auto written, write_takes(a, t, *takes, progress));
@@ -204,6 +228,7 @@ void add_edit_command(CLI::App& program, Chosen& chosen) {
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
   add_face_options(*command, a->words, a->face);
+  add_said_options(*command, a->said);
   command
       ->add_option("--motion-fps", a->motion_fps, "Frames a second of a MOTION that does not say, 1 to 240")
       ->check(CLI::Range(1.0, 240.0));

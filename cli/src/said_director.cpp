@@ -59,6 +59,8 @@ Result<KeptValues> start_values(const Motion& motion, const Motion& model_motion
   return result;
 }
 
+std::int64_t trained_steps(const ModelFile& model) { return model.diffusion ? model.diffusion->steps : 1; }
+
 Result<SaidOptions> said_options(const DirectionWords& words, const FaceWords& face, const SaidWords& said,
                                  std::int64_t trained_steps) {
   const auto unfit = [](const std::string& word) {

@@ -26,6 +26,9 @@ void add_said_options(CLI::App& command, SaidWords& said);
 /// channel of the model's.
 Result<KeptValues> start_values(const Motion& motion, const Motion& model_motion);
 
+/// Diffusion steps that the model was trained with; 1 where it does not say.
+std::int64_t trained_steps(const ModelFile& model);
+
 /// Steps default to all of the training, the sampler to ddim. Errors (Errc::usage): words of other models,
 /// an unknown sampler, numbers out of range, --strength without --init.
 Result<SaidOptions> said_options(const DirectionWords& words, const FaceWords& face, const SaidWords& said,

@@ -78,6 +78,34 @@ TEST_F(AnimateSaidTest, AWindowAsLongAsTheClipChangesNothing) {
   EXPECT_EQ(motion->num_frames(), 120);
 }
 
+TEST_F(AnimateSaidTest, EditsAStretch) {
+  ASSERT_EQ(said({"-o", "a.said.csv"}).exit_code, 0);
+  const auto edit = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), {"edit", "a.said.csv", "--speech", "speech.wav", "--model", "said.safetensors",
+                               "--steps", "6", "-o", "b.said.csv"});
+    return mien(more);
+  };
+  const auto run = edit({"--range", "0.5-1.0", "--lock", "jawOpen"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto before = read_motion(in_folder("a.said.csv")), after = read_motion(in_folder("b.said.csv"));
+  ASSERT_TRUE(before && after);
+  ASSERT_EQ(after->num_frames(), before->num_frames());
+  const auto jaw = static_cast<std::size_t>(*before->find("jawOpen"));
+  std::int64_t num_changed = 0;
+  for (std::int64_t n = 0; n < before->num_frames(); ++n)
+    for (std::size_t c = 0; c < before->channels.size(); ++c) {
+      const bool is_kept = n < 30 || n > 60 || c == jaw;
+      if (is_kept) {
+        ASSERT_EQ(after->frame(n)[c], before->frame(n)[c]) << n << ' ' << c;
+      }
+      num_changed += after->frame(n)[c] != before->frame(n)[c];
+    }
+  EXPECT_GT(num_changed, 100);
+  EXPECT_EQ(edit({"--range", "0.5-1.0", "--window", "1"}).exit_code, 2);
+  EXPECT_EQ(edit({"--range", "0.5-1.0", "--init", "a.said.csv"}).exit_code, 2);
+  EXPECT_EQ(edit({"--range", "0.5-1.0", "--emotion", "happy"}).exit_code, 2);
+}
+
 TEST_F(AnimateSaidTest, KnowsItsOptions) {
   for (const std::vector<std::string>& more : std::vector<std::vector<std::string>>{
            {"--sampler", "ddim", "--eta", "0.5", "--guidance", "3", "--guidance-rescale", "0.7"},

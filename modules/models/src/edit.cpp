@@ -129,6 +129,16 @@ Motion smoothest(std::span<const Motion> tries, const KeptValues& kept,
   return best;
 }
 
+Result<std::vector<Motion>> finish_all(const Motion& motion, const KeptValues& kept,
+                                       const std::vector<std::optional<std::int64_t>>& channels,
+                                       Result<std::vector<Motion>> takes) {
+  if (!takes) return takes;
+  for (Motion& take : *takes) {
+    MIEN_TRY(take, finish(motion, kept, take, channels));
+  }
+  return takes;
+}
+
 }  // namespace
 
 Result<std::vector<Motion>> edit(const DefaultModel& model, AudioReader& speech, const Motion& motion,
@@ -169,12 +179,20 @@ Result<std::vector<Motion>> edit(const FaceModel& model, const AudioClip& speech
   FaceOptions own = options;
   own.seed = edit_seed(options.seed);
   own.kept = as_model(kept, motion, channels, empty.fps);
-  auto takes = animate(model, speech, own, num_takes, num_threads, progress);
-  if (!takes) return takes;
-  for (Motion& take : *takes) {
-    MIEN_TRY(take, finish(motion, kept, take, channels));
-  }
-  return takes;
+  return finish_all(motion, kept, channels, animate(model, speech, own, num_takes, num_threads, progress));
+}
+
+Result<std::vector<Motion>> edit(const SaidModel& model, const AudioClip& speech, const Motion& motion,
+                                 const KeptValues& kept, const SaidOptions& options, int num_takes,
+                                 int num_threads, Progress& progress) {
+  contract(options.known == nullptr && options.window == 0, "edit: SAiD knows what is kept, in one window");
+  const Motion empty = model.empty_motion();
+  MIEN_TRY(const auto channels, common_channels(motion, kept, empty));
+  const auto known = as_model(kept, motion, channels, empty.fps);
+  SaidOptions own = options;
+  own.seed = edit_seed(options.seed);
+  own.known = known.get();
+  return finish_all(motion, kept, channels, animate(model, speech, own, num_takes, num_threads, progress));
 }
 
 }  // namespace mien

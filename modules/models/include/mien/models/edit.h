@@ -1,6 +1,7 @@
 #pragma once
 #include "mien/models/animate.h"
 #include "mien/models/face_model.h"
+#include "mien/models/said/said_model.h"
 #include "mien/motion/kept_values.h"
 
 namespace mien {
@@ -20,6 +21,13 @@ Result<std::vector<Motion>> edit(const DefaultModel& model, AudioReader& speech,
 /// FaceXHuBERT has no randomness: a stretch becomes what it always is, and all takes are equal.
 Result<std::vector<Motion>> edit(const FaceModel& model, const AudioClip& speech, const Motion& motion,
                                  const KeptValues& kept, const FaceOptions& options, int num_takes,
+                                 int num_threads, Progress& progress);
+
+/// The same with SAiD (paper, section 3.3): after every step what is kept is put back, noised to the level
+/// reached.
+/// @pre options.known and options.window are not set
+Result<std::vector<Motion>> edit(const SaidModel& model, const AudioClip& speech, const Motion& motion,
+                                 const KeptValues& kept, const SaidOptions& options, int num_takes,
                                  int num_threads, Progress& progress);
 
 }  // namespace mien

@@ -33,7 +33,7 @@ Sizes damm() {
           .num_channels = 192,
           .latent = 512,
           .hidden = 512,
-          .num_layers = 4,
+          .decoder = {.num_layers = 4},
           .num_steps = 5000};
 }
 constexpr std::int64_t kDammSteps = 1000;  // of its 5000 time tokens

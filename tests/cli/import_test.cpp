@@ -84,7 +84,7 @@ TEST_F(ImportCommand, WrongOptions) {
   expect({"import", "hubert", "-o", "a.bin"}, 2, "ends in .safetensors");
   expect({"import", "hubert", "-o", "hubert/model.safetensors"}, 2, "is an input");
   expect({"import", "hubert", "-o", "a.safetensors", "--schedule", "square"}, 2, "--schedule");
-  expect({"import", "hubert", "-o", "a.safetensors", "--system", "said"}, 2, "facediffuser_v");
+  expect({"import", "hubert", "-o", "a.safetensors", "--system", "codetalker"}, 2, "facediffuser_v");
   expect({"import", "hubert", "-o", "a.safetensors", "--fps", "25"}, 2, "speech encoder alone");
   expect({"import", "hubert", "hubert/model.safetensors", "-o", "a.safetensors"}, 2, "second model");
   expect({"import", "-o", "a.safetensors"}, 2, "SOURCE");

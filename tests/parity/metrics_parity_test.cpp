@@ -119,8 +119,9 @@ TEST(MetricsParity, ControlErrors) {
 
 TEST(MetricsParity, HeatMaps) {
   const std::string mean = "out.heatmap_mean_seq", deviation = "out.heatmap_std_seq";
-  for_each_case("probtalk3d", "metrics", ".safetensors", [&](const std::string& name) {
-    const Fixture fixture("probtalk3d", "metrics" + name + ".safetensors");
+  // One file, metrics.safetensors: a case has a name.
+  for_each_case("probtalk3d", "metric", ".safetensors", [&](const std::string& name) {
+    const Fixture fixture("probtalk3d", "metric" + name + ".safetensors");
     const auto maps = names_of(fixture, mean);  // "1_sample0": of a sequence and one of its samples
     ASSERT_FALSE(maps.empty());
     for (const auto& map : maps) {

@@ -71,6 +71,41 @@ Tensor Operations<Tensor>::given_rows(const Tensor&, std::span<const float> valu
   return Tensor({1, width}, values);
 }
 
+Tensor Operations<Tensor>::instance_norm(Tensor x, double eps) {
+  Tensor ones({x.width()});
+  std::ranges::fill(ones.values(), 1.0f);
+  return mien::group_norm(std::move(x), ones, Tensor({ones.count()}), ones.count(), eps);
+}
+
+Tensor Operations<Tensor>::channel_runs(const Tensor& x, std::int64_t width) {
+  contract(width > 0 && x.count() % width == 0, "channel_runs: the values are not whole rows");
+  return transposed(x).reshaped({x.count() / width, width});
+}
+
+Tensor Operations<Tensor>::from_channel_runs(const Tensor& x, std::int64_t count) {
+  contract(count > 0 && x.count() % count == 0, "from_channel_runs: the values are not whole rows");
+  return transposed(x.reshaped({x.count() / count, count}));
+}
+
+Tensor Operations<Tensor>::squared_distances(const Tensor& x, const Tensor& table) {
+  contract(x.width() == table.width(), "squared_distances: widths differ");
+  const auto square_of = [](std::span<const float> row) {
+    double sum = 0;
+    for (const float v : row) sum += static_cast<double>(v) * v;
+    return sum;
+  };
+  std::vector<double> of_table;
+  for (std::int64_t k = 0; k < table.num_rows(); ++k) of_table.push_back(square_of(table.row(k)));
+  Tensor out = mien::linear(x, PackedMatrix(table));
+  for (std::int64_t n = 0; n < out.num_rows(); ++n) {
+    const double own = square_of(x.row(n));
+    const auto row = out.row(n);
+    for (std::size_t k = 0; k < row.size(); ++k)
+      row[k] = static_cast<float>(own + of_table[k] - 2.0 * static_cast<double>(row[k]));
+  }
+  return out;
+}
+
 Tensor Operations<Tensor>::zero_after(Tensor x, std::span<const std::int64_t> valid) {
   contract(valid.size() <= 1, "zero_after: the runtime has no batches");
   for (std::int64_t r = valid.empty() ? x.num_rows() : std::max<std::int64_t>(valid[0], 0); r < x.num_rows();

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -113,6 +114,46 @@ TEST(RuntimeOperations, OneRowAppliesToAllAndJoinsMustFit) {
   EXPECT_EQ(product.data()[2], 30);
   EXPECT_EQ(Ops::concat_rows({x, Tensor({0, 2}), one}).num_rows(), 3);
   EXPECT_THROW(Ops::concat_rows({x, Tensor({1, 3})}), std::logic_error);
+}
+
+// A latent is cut into codes along time, channel by channel, and put together again.
+TEST(RuntimeOperations, ChannelRunsGoThereAndBack) {
+  const Tensor x = noise_rows(6, 4);
+  const Tensor runs = Ops::channel_runs(x, 8);
+  EXPECT_EQ(runs.shape(), (Shape{3, 8}));
+  for (std::int64_t c = 0; c < 4; ++c)
+    for (std::int64_t n = 0; n < 6; ++n)
+      EXPECT_EQ(runs.data()[6 * c + n], x.row(n)[static_cast<std::size_t>(c)]);
+  const Tensor back = Ops::from_channel_runs(runs, 6);
+  EXPECT_TRUE(std::ranges::equal(back.values(), x.values()));
+  EXPECT_THROW((void)Ops::channel_runs(x, 5), std::logic_error);
+  EXPECT_THROW((void)Ops::from_channel_runs(runs, 7), std::logic_error);
+}
+
+TEST(RuntimeOperations, SquaredDistancesAreThoseOfRows) {
+  const Tensor x = noise_rows(3, 5), table = Ops::scale(noise_rows(4, 5), 2);
+  const Tensor distances = Ops::squared_distances(x, table);
+  for (std::int64_t n = 0; n < 3; ++n)
+    for (std::int64_t k = 0; k < 4; ++k) {
+      double want = 0;
+      for (std::size_t i = 0; i < 5; ++i)
+        want += std::pow(static_cast<double>(x.row(n)[i]) - static_cast<double>(table.row(k)[i]), 2);
+      EXPECT_NEAR(distances.row(n)[static_cast<std::size_t>(k)], want, 1e-5);
+    }
+  EXPECT_THROW((void)Ops::squared_distances(x, noise_rows(4, 6)), std::logic_error);
+}
+
+TEST(RuntimeOperations, InstanceNormNormsEveryChannelOverTime) {
+  const Tensor y = Ops::instance_norm(noise_rows(40, 3), 0.0);
+  for (std::size_t c = 0; c < 3; ++c) {
+    double sum = 0, squares = 0;
+    for (std::int64_t n = 0; n < 40; ++n) sum += y.row(n)[c], squares += std::pow(y.row(n)[c], 2);
+    EXPECT_NEAR(sum / 40, 0, 1e-6);
+    EXPECT_NEAR(squares / 40, 1, 1e-5);
+  }
+  EXPECT_TRUE(std::ranges::all_of(Ops::instance_norm(noise_rows(1, 3), 1e-5).values(), [](float v) {
+    return v == 0;
+  })) << "one frame is its own mean";
 }
 
 }  // namespace

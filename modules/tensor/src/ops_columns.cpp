@@ -5,6 +5,14 @@
 
 namespace mien {
 
+Tensor transposed(const Tensor& x) {
+  require(x.rank() == 2, [&] { return "transposed: x must be [N, D], got " + shape_text(x.shape()); });
+  Tensor y = Tensor::uninitialized({x.width(), x.num_rows()});
+  for (std::int64_t r = 0; r < x.num_rows(); ++r)
+    for (std::int64_t c = 0; c < x.width(); ++c) y.data()[c * x.num_rows() + r] = x.data()[r * x.width() + c];
+  return y;
+}
+
 Tensor group_rows(const Tensor& x, std::int64_t factor) {
   require(x.rank() == 2 && factor >= 1 && x.num_rows() % factor == 0, [&] {
     return "group_rows: " + shape_text(x.shape()) + " has no whole groups of " + std::to_string(factor);

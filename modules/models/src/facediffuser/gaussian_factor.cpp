@@ -37,13 +37,6 @@ std::vector<double> filtered_transposed(const std::vector<double>& a, std::int64
 
 }  // namespace
 
-Tensor transposed(const Tensor& x) {
-  Tensor y = Tensor::uninitialized({x.width(), x.num_rows()});
-  for (std::int64_t r = 0; r < x.num_rows(); ++r)
-    for (std::int64_t c = 0; c < x.width(); ++c) y.data()[c * x.num_rows() + r] = x.data()[r * x.width() + c];
-  return y;
-}
-
 Tensor gaussian_factor(const PackedMatrix& weights, const Tensor& taps, int num_threads) {
   const std::int64_t size = weights.num_outputs();
   // A A^T = F (W W^T) F^T: filter rows and columns.

@@ -21,12 +21,15 @@ namespace mien {
 ///   group_norm(x, gamma, beta, groups, eps)
 ///                                      groups of neighbouring channels over all their rows; as many groups
 ///                                      as channels norm each channel over time
+///   instance_norm(x, eps)              each channel over all its rows, without gamma and beta
 ///   attention(q, k, v, heads, valid)   softmax(q k^T) v by heads, q already scaled; keys from
 ///                                      valid[batch] on are not seen (empty: all are)
 ///   attention_within(q, k, v, heads, ranges)
 ///                                      the same where query n sees the keys ranges[n] (KeyRange) alone
 ///   gelu(x) silu(x) sigmoid(x) tanh(x) elementwise; gelu in its exact (erf) form
 ///   relu(x) mish(x)                    elementwise
+///   gelu_tanh(x) exp(x)                elementwise; GELU in its tanh form
+///   leaky_relu(x, slope)               elementwise; slope x below 0
 ///   gru(x, state, w_ih, w_hh, b_ih, b_hh)  a GRU layer over time, gates r, z, n: x [.., N, in], state [..,
 ///   1,
 ///                                      hidden] (updated) -> [.., N, hidden]
@@ -37,7 +40,16 @@ namespace mien {
 ///   one_hot(x, index, width)           a row [.., 1, width] for the batch of x: one at index, else zero
 ///   table_row(table, index)            row of a buffer [entries, 1, width] -> [1, width]
 ///   given_rows(x, values, width)       numbers as rows [.., 1, width]: one row, or one for each batch of x
+///   table_rows(table, indices)         rows of a table [entries, W] -> [1, indices, W]
+///   constant_rows(x, values, width)    numbers [N, width] as a tensor like x, without batches
+///   values(x)                          all numbers of x, row by row
+///   channel_runs(x, width)             x channel by channel, cut into rows: [.., N, D] -> [.., N D / width,
+///                                      width]
+///   from_channel_runs(x, count)        and back to `count` rows [.., count, D]
+///   squared_distances(x, table)        of rows [.., N, W] to rows of a table [K, W] -> [.., N, K]
+///   straight_through(x, y)             x + (y - x), whose gradient is that of x
 ///   add(x, y) mul(x, y)                elementwise; y may be one row [1, D] for every row of x
+///   sub(x, y)                          elementwise
 ///   add_one(x) scale(x, s)             x + 1, s x
 ///   num_rows(x)                        N
 ///   rows(x, first, count)              part of the time axis

@@ -41,6 +41,7 @@ struct Operations<torch::Tensor> {
   static T group_norm(const T& x, const T& gamma, const T& beta, std::int64_t groups, double eps) {
     return torch::group_norm(x.transpose(-1, -2), groups, gamma, beta, eps).transpose(-1, -2);
   }
+  static T instance_norm(const T& x, double eps) { return group_norm(x, {}, {}, x.size(-1), eps); }
   static T attention(const T& q, const T& k, const T& v, std::int64_t heads,
                      std::span<const std::int64_t> valid) {
     return attend(attention_weights(q, k, heads, valid), v);
@@ -81,6 +82,9 @@ struct Operations<torch::Tensor> {
   static T tanh(const T& x) { return torch::tanh(x); }
   static T relu(const T& x) { return torch::relu(x); }
   static T mish(const T& x) { return torch::mish(x); }
+  static T gelu_tanh(const T& x) { return torch::gelu(x, "tanh"); }
+  static T exp(const T& x) { return torch::exp(x); }
+  static T leaky_relu(const T& x, float slope) { return torch::leaky_relu(x, slope); }
   static T gru(const T& x, T& state, const Matrix& w_ih, const Matrix& w_hh, const T& b_ih, const T& b_hh) {
     // LibTorch wants [layers, batch, hidden] for the state.
     auto [y, last] = torch::gru(x, state.transpose(0, 1).contiguous(), {w_ih, w_hh, b_ih, b_hh},
@@ -130,6 +134,29 @@ struct Operations<torch::Tensor> {
         .to(x.options().requires_grad(false))
         .reshape({-1, 1, width});
   }
+  static T table_rows(const T& table, std::span<const std::int64_t> indices) {
+    const T index = torch::tensor(std::vector<std::int64_t>(indices.begin(), indices.end()), torch::kLong);
+    return table.index_select(0, index.to(table.device())).unsqueeze(0);
+  }
+  static T constant_rows(const T& x, std::span<const float> values, std::int64_t width) {
+    const T rows = torch::tensor(std::vector<float>(values.begin(), values.end())).reshape({-1, width});
+    return rows.to(x.options().requires_grad(false));
+  }
+  static std::vector<float> values(const T& x) {
+    const T flat = x.detach().to(torch::kCPU, torch::kFloat).contiguous();
+    return {flat.data_ptr<float>(), flat.data_ptr<float>() + flat.numel()};
+  }
+  static T channel_runs(const T& x, std::int64_t width) {
+    return x.transpose(-1, -2).reshape({x.size(0), -1, width});
+  }
+  static T from_channel_runs(const T& x, std::int64_t count) {
+    return x.reshape({x.size(0), -1, count}).transpose(-1, -2);
+  }
+  static T squared_distances(const T& x, const T& table) {
+    return x.square().sum(-1, /*keepdim=*/true) + table.square().sum(-1) - 2 * torch::matmul(x, table.t());
+  }
+  static T straight_through(const T& x, const T& y) { return x + (y - x).detach(); }
+  static T sub(const T& x, const T& y) { return x - y; }
   static T add(const T& x, const T& y) { return x + y; }
   static T mul(const T& x, const T& y) { return x * y; }
   static T add_one(const T& x) { return x + 1; }

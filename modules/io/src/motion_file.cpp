@@ -8,8 +8,10 @@
 #include "even_motion.h"
 #include "mien/base/file.h"
 #include "mien/core/arkit.h"
+#include "mien/core/flame_parameters.h"
 #include "mien/core/rig_controls.h"
 #include "mien/io/coefficient_csv.h"
+#include "mien/io/flame_csv.h"
 #include "mien/io/live_link_csv.h"
 #include "mien/io/metahuman_csv.h"
 #include "mien/io/motion_json.h"
@@ -52,8 +54,25 @@ Status write_text(const std::filesystem::path& path, const std::function<Status(
   return status;
 }
 
+// As ProbTalk3D's programs write it: [1, N, 403] float64, parameters that the motion lacks are 0.
+Status write_flame_npy(const std::filesystem::path& path, const Motion& motion) {
+  MIEN_TRY(auto file, AtomicFile::create(path));
+  const std::array<std::int64_t, 3> shape = {1, motion.num_frames(), kNumFlame};
+  MIEN_TRY([[maybe_unused]] const auto header, file.write(npy_header(shape, sizeof(double))));
+  const auto columns = flame_columns(motion);
+  for (std::int64_t n = 0; n < motion.num_frames(); ++n) {
+    std::array<double, kNumFlame> row{};
+    const auto frame = motion.frame(n);
+    for (std::size_t c = 0; c < columns.size(); ++c)
+      if (columns[c]) row[*columns[c]] = frame[c];
+    MIEN_TRY([[maybe_unused]] const auto data, file.write(std::as_bytes(std::span(row))));
+  }
+  return file.commit();
+}
+
 Status write_npy_file(const std::filesystem::path& path, const Motion& motion) {
   MIEN_TRY([[maybe_unused]] const auto checked, io::check_motion(motion, ".npy file"));
+  if (motion.space == MotionSpace::flame) return write_flame_npy(path, motion);
   MIEN_TRY(auto file, AtomicFile::create(path));
   const std::array<std::int64_t, 2> shape = {motion.num_frames(), motion.num_channels()};
   MIEN_TRY([[maybe_unused]] const auto header, file.write(npy_header(shape)));
@@ -74,6 +93,7 @@ Status write_glb_file(const std::filesystem::path& path, const Motion& motion, c
 // The papers' rates, where the width tells the data set.
 double assumed_rate(std::size_t width) {
   if (width == kNumArkit - 1 || width == kNumUudamm) return 30;  // BEAT, UUDaMM
+  if (width == kNumFlame) return 25;                             // 3DMEAD
   if (width % 3 != 0) return 60;
   const auto known = known_topology(static_cast<std::int64_t>(width / 3));
   return known ? known->fps : 60;
@@ -82,6 +102,8 @@ double assumed_rate(std::size_t width) {
 Result<Motion> motion_of_array(NpyArray array, double fps) {
   if (array.shape.empty())
     return Error{Errc::incompatible, ".npy file", "it is a single number, expected frames", ""};
+  if (array.shape.size() == 3 && array.shape[0] == 1 && array.shape[2] == kNumFlame)  // ProbTalk3D's
+    array.shape.erase(array.shape.begin());
   std::size_t width = 1;
   for (std::size_t i = 1; i < array.shape.size(); ++i)
     width = checked_multiply(width, static_cast<std::size_t>(array.shape[i])).value_or(kMaxWidth + 1);
@@ -106,6 +128,9 @@ Result<Motion> motion_of_array(NpyArray array, double fps) {
   } else if (width == kNumUudamm) {
     result->space = MotionSpace::rig;
     channels = uudamm_controls();
+  } else if (width == kNumFlame) {
+    result->space = MotionSpace::flame;
+    channels = flame_channels(kNumFlameShape, kNumFlameExpression);
   } else if (width % 3 == 0 && width >= 300) {
     result->space = MotionSpace::vertices;
     result->topology = topology_of(static_cast<std::int64_t>(width / 3));
@@ -127,6 +152,7 @@ Result<Motion> read_known(const std::filesystem::path& path, const std::string& 
                           const MotionReadOptions& options) {
   if (extension == ".glb" || extension == ".gltf") return read_glb_motion(path);
   MIEN_TRY(const Bytes bytes, read_file(path));
+  if (extension == ".csv" && is_flame_csv(as_text(bytes))) return read_flame_csv(as_text(bytes), options.fps);
   if (extension == ".csv") return read_live_link_csv(as_text(bytes), {.fps = options.fps});
   if (extension == ".json") return read_motion_json(as_text(bytes));
   MIEN_TRY(auto array, read_npy(bytes));
@@ -143,6 +169,8 @@ Status write_motion(const std::filesystem::path& path, const Motion& motion, con
     return write_text(path, [&](const TextSink& sink) { return write_metahuman_csv(motion, sink); });
   if (path.filename().string().ends_with(".said.csv"))
     return write_text(path, [&](const TextSink& sink) { return write_coefficient_csv(motion, sink); });
+  if (extension == ".csv" && motion.space == MotionSpace::flame)
+    return write_text(path, [&](const TextSink& sink) { return write_flame_csv(motion, sink); });
   if (extension == ".csv")
     return write_text(path, [&](const TextSink& sink) { return write_live_link_csv(motion, sink); });
   if (extension == ".json")

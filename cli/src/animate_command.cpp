@@ -4,10 +4,12 @@
 #include "character_source.h"
 #include "director.h"
 #include "face_director.h"
+#include "flame_outputs.h"
 #include "mien/base/number_text.h"
 #include "mien/base/parallel.h"
 #include "mien/console/console_exit.h"
 #include "mien/io/character_file.h"
+#include "mien/io/flame_file.h"
 #include "mien/io/motion_file.h"
 #include "mien/models/animate.h"
 #include "mien/models/face_model.h"
@@ -24,7 +26,7 @@ namespace fs = std::filesystem;
 constexpr std::string_view kSilent = "the recording is silent";  // the reader's warning (mien/audio)
 
 struct AnimateArguments {
-  std::string speech, model, character;
+  std::string speech, model, character, flame;
   std::vector<std::string> outputs;
   DirectionWords words;
   FaceWords face;
@@ -39,12 +41,14 @@ struct AnimateArguments {
 // Everything that can be wrong is found out before the work begins.
 struct Prepared {
   std::vector<Output> outputs;  // of all takes, take by take
-  bool is_published = false;    // FaceXHuBERT or FaceDiffuser, not the default model
+  bool is_published = false;    // FaceXHuBERT, FaceDiffuser or ProbTalk3D, not the default model
+  bool moves_flame = false;     // parameters of FLAME
   PerformOptions options;
   FaceOptions face;
   fs::path model_path, character_path;
   Bytes character_glb;                 // when a .glb is written
   std::optional<Character> character;  // when pictures are drawn
+  std::optional<FlameModel> flame;     // that makes a face of its parameters
   std::optional<Mesh> mesh;            // of a model that moves vertices, which needs no character
   PictureOptions pictures;
 };
@@ -58,14 +62,15 @@ Result<ModelFile> describe(const fs::path& path) {
   return model;
 }
 
-Status direct(const AnimateArguments& a, Prepared& p) {
+Status direct(const AnimateArguments& a, const ModelFile& model, Prepared& p) {
   if (p.is_published) {
-    MIEN_TRY(p.face, face_options(a.words, a.face));
+    MIEN_TRY([[maybe_unused]] const auto checked, check_words(a.face, model));
+    MIEN_TRY(p.face, face_options(a.words, a.face, model));
     MIEN_TRY([[maybe_unused]] const auto precision, encoder_precision(a.face));
     return Done{};
   }
   if (const std::string word = a.face.used(); !word.empty())
-    return Error{Errc::usage, word, "does not apply to this model: it is for FaceXHuBERT and FaceDiffuser",
+    return Error{Errc::usage, word, "does not apply to this model: it is for published systems",
                  "Leave it out, or name such a model with --model"};
   MIEN_TRY(p.options, perform_options(a.words));
   return Done{};
@@ -98,11 +103,17 @@ Result<Prepared> prepare(const AnimateArguments& a) {
     MIEN_TRY(model, describe(a.model));
     p.is_published = FaceModel::runs(model.architecture);
     moves_vertices = p.is_published && model.output.space == "vertices";
+    p.moves_flame = p.is_published && model.output.space == "flame";
   }
   if (!a.vertices.mesh.empty() && !moves_vertices)
     return Error{Errc::usage, "--mesh", "is for models that move vertices",
                  "Leave it out, or pass a face with --character"};
-  MIEN_TRY([[maybe_unused]] const auto directed, direct(a, p));
+  if (!a.flame.empty()) {
+    if (!p.moves_flame)
+      return Error{Errc::usage, "--flame", "is for models that give FLAME parameters", "Leave it out"};
+    MIEN_TRY(p.flame, read_flame_model(a.flame));
+  }
+  MIEN_TRY([[maybe_unused]] const auto directed, direct(a, model, p));
   const auto size = parse_size(a.size);
   if (!size) return size.error();
   p.pictures = {.width = size->first, .height = size->second, .threads = a.threads};
@@ -110,7 +121,8 @@ Result<Prepared> prepare(const AnimateArguments& a) {
   MIEN_TRY([[maybe_unused]] const auto view, check_view(a.view));
   p.pictures.view = a.view;
   std::vector<std::string> names = a.outputs;
-  if (names.empty()) names.push_back(fs::path(a.speech).stem().string() + (moves_vertices ? ".npy" : ".glb"));
+  if (names.empty())
+    names.push_back(fs::path(a.speech).stem().string() + (moves_vertices || p.moves_flame ? ".npy" : ".glb"));
   if (a.model.empty()) {
     MIEN_TRY(p.model_path, shared_file("default.safetensors", "--model FILE"));
   } else {
@@ -119,9 +131,12 @@ Result<Prepared> prepare(const AnimateArguments& a) {
   MIEN_TRY(p.character_path, character_path(a.character));
   constexpr OutputKind kAll[] = {OutputKind::motion, OutputKind::video, OutputKind::sheet, OutputKind::frames,
                                  OutputKind::meshes};
-  const std::span<const OutputKind> kinds = std::span(kAll).first(moves_vertices ? 5 : 4);
-  const std::array<fs::path, 4> inputs = {a.speech, p.model_path, p.character_path, a.vertices.mesh};
+  const std::span<const OutputKind> kinds = std::span(kAll).first(moves_vertices || p.flame ? 5 : 4);
+  const std::array<fs::path, 5> inputs = {a.speech, p.model_path, p.character_path, a.vertices.mesh, a.flame};
   MIEN_TRY(p.outputs, plan_outputs(names, inputs, kinds, a.takes));
+  if (p.moves_flame && !p.flame) {
+    MIEN_TRY([[maybe_unused]] const auto fit, check_flame_outputs(p.outputs));
+  }
   if (!moves_vertices) return p;
   const Status mesh = prepare_mesh(a, model, p);
   if (!mesh) return mesh.error();
@@ -131,7 +146,7 @@ Result<Prepared> prepare(const AnimateArguments& a) {
 }
 
 Status load_character_for(const std::vector<Output>& outputs, Prepared& p, ConsoleProgress& progress) {
-  if (p.mesh) return Done{};
+  if (p.mesh || p.flame) return Done{};
   const auto any = [&](auto wanted) { return std::any_of(outputs.begin(), outputs.end(), wanted); };
   if (any([](const Output& o) { return o.is_glb(); })) {
     MIEN_TRY(p.character_glb, character_glb(p.character_path));
@@ -172,9 +187,22 @@ Status write_vertex_outputs(const AnimateArguments& a, const Prepared& p, const 
   return Done{};
 }
 
+Status write_flames(const AnimateArguments& a, const Prepared& p, const std::vector<Motion>& takes,
+                    const AudioClip* sound, ConsoleProgress& progress) {
+  const std::size_t per_take = p.outputs.size() / takes.size();
+  const VertexShow show{p.pictures, sound, fs::path(a.speech).filename().string()};
+  for (std::size_t take = 0; take < takes.size(); ++take) {
+    const auto own = std::span(p.outputs).subspan(take * per_take, per_take);
+    const Status written = write_flame_outputs(own, takes[take], *p.flame, a.vertices, show, progress);
+    if (!written) return written.error();
+  }
+  return Done{};
+}
+
 // Writes all outputs of all takes. Motion files are small and written side by side; films take all threads.
 Status write_outputs(const AnimateArguments& a, const Prepared& p, const std::vector<Motion>& takes,
                      const AudioClip* sound, ConsoleProgress& progress) {
+  if (p.flame) return write_flames(a, p, takes, sound, progress);
   if (p.mesh) return write_vertex_outputs(a, p, takes, sound, progress);
   const std::size_t per_take = p.outputs.size() / takes.size();
   std::vector<Status> results(p.outputs.size(), Status(Done{}));
@@ -246,6 +274,7 @@ Status run_animate(const AnimateArguments& a, ConsoleProgress& progress) {
   MIEN_TRY([[maybe_unused]] const auto written,
            write_outputs(a, p, *takes, sound ? &*sound : nullptr, progress));
 
+  if (p.moves_flame && !p.flame) progress.say(flame_parameters_notice(takes->front()));
   const double taken = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const double factor = taken / seconds;
   progress.event("success",
@@ -281,7 +310,8 @@ void add_animate_command(CLI::App& program, Chosen& chosen) {
       "--emotion", a->words.emotion,
       "neutral, happy, sad, surprised, fear, disgusted, angry or contempt, with a level :1 :2 :3 or an "
       "intensity :0.0 to :1.0; or a .csv or .json file: time,emotion,intensity[,style]. Default: neutral. "
-      "FaceXHuBERT: neutral or expressive, which is its default");
+      "FaceXHuBERT: neutral or expressive, which is its default. ProbTalk3D: levels 1 to 3 or low, medium, "
+      "high");
   command->add_option(
       "--style", a->words.style,
       "Manner of a speaker, S00 to S11. Default: none in particular. Published models: one of their "
@@ -295,15 +325,18 @@ void add_animate_command(CLI::App& program, Chosen& chosen) {
                     ->add_option("--steps", a->words.steps,
                                  "Diffusion steps, 1 to 1000. Default: 8; published models: all of theirs")
                     ->check(CLI::Range(1, 1000));
-  auto* sampler = command->add_option("--sampler", a->words.sampler,
-                                      "dpm++, ddim or ddpm. Default: dpm++; published models: ddpm");
+  auto* sampler =
+      command->add_option("--sampler", a->words.sampler,
+                          "dpm++, ddim or ddpm. Default: dpm++; published models: ddpm; emotional "
+                          "FaceDiffuser: ddim");
   command->add_option("--subject", a->face.subject,
                       "Published models: whose manner and neutral face, one of the model's subjects");
   command->add_option("--template", a->face.neutral,
                       "Published models: whose neutral face. Default: that of --style");
   command
-      ->add_option("--skip", a->face.skip,
-                   "Published models: noisiest diffusion steps to leave out. Default: 0")
+      ->add_option(
+          "--skip", a->face.skip,
+          "Published models: noisiest diffusion steps to leave out. Default: 0; emotional FaceDiffuser: 900")
       ->check(CLI::Range(0, 100000));
   command->add_option(
       "--respacing", a->face.respacing,
@@ -314,6 +347,20 @@ void add_animate_command(CLI::App& program, Chosen& chosen) {
       ->check(CLI::Range(0.0, 1.0));
   command->add_flag("--const-noise", a->face.same_noise,
                     "Published models: fresh noise of a step is the same in all frames");
+  command
+      ->add_option(
+          "--temperature", a->face.temperature,
+          "ProbTalk3D: how freely codes are drawn; 0 takes the nearest code, the same in every take. "
+          "Default: 0.2; 0.1 to 0.5 are recommended")
+      ->check(CLI::Range(0.0, 1e6));
+  command->add_option("--draw", a->face.draw, "ProbTalk3D: take the K-th code of a draw without replacement")
+      ->check(CLI::Range(1, 1'000'000))
+      ->capture_default_str();
+  command
+      ->add_option("--noise", a->face.noise,
+                   "ProbTalk3D's Gaussian variant: deviations from the mean, times this; 0 gives the mean. "
+                   "Default: 20")
+      ->check(CLI::Range(0.0, 1e6));
   command->add_option("--precision", a->face.precision,
                       "Published models: numbers of the speech encoder, f32, bf16 or int8. Default: f32");
   command
@@ -327,15 +374,22 @@ void add_animate_command(CLI::App& program, Chosen& chosen) {
   command->add_option("--view", a->view, "front, portrait, three-quarter, side or mouth")
       ->capture_default_str();
   command->add_flag("--allow-silence", a->allow_silence, "Animate a silent recording too: a face at rest");
+  command->add_option(
+      "--flame", a->flame,
+      "FLAME model (generic_model.pkl or .npz) that makes a face of ProbTalk3D's parameters: .npy, "
+      ".glb, meshes and pictures then show its vertices; .csv and .json stay parameters");
   add_vertex_options(*command, a->vertices);
   add_threads_option(*command, a->threads);
   add_console_options(*command, chosen);
-  add_footer(*command,
-             "  mien animate hello.wav\n"
-             "  mien animate hello.wav -o hello.glb -o hello.csv -o hello.mp4 --emotion happy:2 --seed 7\n"
-             "  mien animate hello.wav --model biwi.safetensors --subject M3 --skip 450 -o hello.npy\n"
-             "  mien animate hello.wav --model voca.safetensors --mesh FLAME_sample.ply -o hello.glb -o "
-             "hello.mp4\n");
+  add_footer(
+      *command,
+      "  mien animate hello.wav\n"
+      "  mien animate hello.wav -o hello.glb -o hello.csv -o hello.mp4 --emotion happy:2 --seed 7\n"
+      "  mien animate hello.wav --model biwi.safetensors --subject M3 --skip 450 -o hello.npy\n"
+      "  mien animate hello.wav --model probtalk3d.safetensors --style W028 --emotion happy:3 --takes 10 -o "
+      "hello.npy\n"
+      "  mien animate hello.wav --model voca.safetensors --mesh FLAME_sample.ply -o hello.glb -o "
+      "hello.mp4\n");
   command->callback([a, steps, sampler, &chosen] {
     a->face.has_steps = steps->count() > 0;
     a->face.has_sampler = sampler->count() > 0;

@@ -4,11 +4,14 @@
 #include <optional>
 #include <utility>
 
+#include "choose_name.h"
 #include "face_parts.h"
 #include "mien/models/alignment.h"
 #include "mien/models/facediffuser/frame_diffusion.h"
 #include "mien/models/seeds.h"
 #include "mien/motion/diffusion_process.h"
+#include "probtalk3d/animate.h"
+#include "probtalk3d/style_choice.h"
 
 namespace mien {
 namespace {
@@ -16,31 +19,10 @@ namespace {
 constexpr std::uint32_t kNoiseStream = 2;  // of the diffusion; the default model has 1
 constexpr std::int64_t kBlockFrames = 128;
 
-std::string list_of(const std::vector<std::string>& names) {
-  std::string text;
-  for (const auto& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text;
-}
-
-// Index of `wanted` in `names`, or of the default when nothing is wanted.
-Result<std::int64_t> choose(const std::string& option, const std::string& wanted,
-                            const std::vector<std::string>& names, std::size_t by_default) {
-  if (names.empty()) {
-    if (wanted.empty()) return std::int64_t{0};
-    return Error{Errc::usage, option + " '" + wanted + "'", "the model has no such choice",
-                 "Leave the option out"};
-  }
-  if (wanted.empty()) return static_cast<std::int64_t>(by_default);
-  const auto found = std::find(names.begin(), names.end(), wanted);
-  if (found == names.end())
-    return Error{Errc::usage, option + " '" + wanted + "'", "the model does not know it",
-                 "It knows: " + list_of(names)};
-  return static_cast<std::int64_t>(found - names.begin());
-}
-
 // What the words mean for this model.
 struct Conditions {
-  std::int64_t style = 0, emotion = 0;
+  std::int64_t emotion = 0;
+  Tensor style;    // weights of the style's columns, [1, columns]; empty when the output is not a mesh
   Tensor neutral;  // [1, D]; empty when the output is not a mesh
 };
 
@@ -48,30 +30,27 @@ Result<Conditions> conditions(const FaceModel::Parts& model, const FaceOptions& 
   const ModelFile& d = model.description;
   Conditions c;
   const bool is_mesh = d.output.space == "vertices";
-  MIEN_TRY(c.style, choose("--style", options.style, is_mesh ? d.subjects : std::vector<std::string>(), 0));
-  MIEN_TRY(c.emotion,
-           choose("--emotion", options.emotion, d.emotions, d.emotions.empty() ? 0 : d.emotions.size() - 1));
+  MIEN_TRY(const std::int64_t subject,
+           choose_name("--style", options.style, is_mesh ? d.subjects : std::vector<std::string>(), 0));
+  if (!d.intensities.empty()) {
+    MIEN_TRY(const auto weights, probtalk3d::chosen_style(d, options));
+    c.style = Tensor({1, static_cast<std::int64_t>(weights.size())}, weights);
+  } else {
+    MIEN_TRY(c.emotion, choose_name("--emotion", options.emotion, d.emotions,
+                                    d.emotions.empty() ? 0 : d.emotions.size() - 1));
+    if (is_mesh)
+      c.style = Operations<Tensor>::one_hot({}, subject, static_cast<std::int64_t>(d.subjects.size()));
+  }
   std::vector<std::string> names;
   for (const auto& neutral : model.neutrals) names.push_back(neutral.first);
   std::string own = options.neutral;
-  if (own.empty() && is_mesh && model.neutral(d.subjects[static_cast<std::size_t>(c.style)]) != nullptr)
-    own = d.subjects[static_cast<std::size_t>(c.style)];
-  MIEN_TRY(const std::int64_t face, choose("--template", own, names, 0));
+  if (own.empty() && is_mesh && model.neutral(d.subjects[static_cast<std::size_t>(subject)]) != nullptr)
+    own = d.subjects[static_cast<std::size_t>(subject)];
+  MIEN_TRY(const std::int64_t face, choose_name("--template", own, names, 0));
   if (is_mesh)
     c.neutral = names.empty() ? Tensor({1, d.output.channels})
                               : model.neutrals[static_cast<std::size_t>(face)].second;
   return c;
-}
-
-// Back from the range of the training data to the rig's own.
-void unscale(const ModelFile& description, Tensor& frames) {
-  if (!description.scaler) return;
-  for (std::int64_t n = 0; n < frames.num_rows(); ++n) {
-    const auto row = frames.row(n);
-    for (std::size_t c = 0; c < row.size(); ++c)
-      row[c] = static_cast<float>((static_cast<double>(row[c]) - description.scaler->min[c]) /
-                                  description.scaler->scale[c]);
-  }
 }
 
 // Makes frames from aligned features [count, f H], block after block.
@@ -172,8 +151,7 @@ Result<MakeFrames> diffusing(const FaceModel::Parts& model, const Conditions& gi
     facediffuser::Lane lane;
     lane.noise = &own;
     if (model.vertices != nullptr) {
-      lane.style = model.vertices->style(
-          Operations<Tensor>::one_hot({}, given.style, model.vertices->sizes.num_subjects));
+      lane.style = model.vertices->style(given.style);
       lane.neutral = given.neutral;
     }
     lanes.push_back(std::move(lane));
@@ -185,7 +163,7 @@ Result<MakeFrames> diffusing(const FaceModel::Parts& model, const Conditions& gi
     std::vector<Tensor> frames = work->diffusion->next(same);
     for (int take = 0; take < num_takes; ++take) {
       Tensor& own = frames[static_cast<std::size_t>(take)];
-      unscale(model.description, own);
+      if (model.description.scaler) undo_scaler(*model.description.scaler, own.values());
       const Status status = sink(take, own.values());
       if (!status) return status.error();
     }
@@ -196,10 +174,9 @@ Result<MakeFrames> diffusing(const FaceModel::Parts& model, const Conditions& gi
 MakeFrames predicting(const FaceModel::Parts& model, const Conditions& given, int num_takes,
                       const FrameSink& sink) {
   const auto& sizes = model.facexhubert->sizes;
-  const Tensor subject = Operations<Tensor>::one_hot({}, given.style, sizes.num_subjects);
   const Tensor emotion = Operations<Tensor>::one_hot({}, given.emotion, sizes.num_emotions);
   const auto past = std::make_shared<std::vector<Tensor>>();
-  return [&model, &sink, subject, emotion, neutral = given.neutral, past,
+  return [&model, &sink, subject = given.style, emotion, neutral = given.neutral, past,
           num_takes](const Tensor& speech) -> Status {
     const Tensor frames = (*model.facexhubert)(speech, subject, emotion, neutral, past.get());
     for (int take = 0; take < num_takes; ++take) {  // it has no randomness: takes are equal
@@ -217,6 +194,8 @@ Status animate(const FaceModel& model, const AudioClip& clip, const FaceOptions&
   contract(clip.sample_rate_hz == kModelSampleRateHz, "animate: the clip must be at 16 kHz");
   contract(num_takes >= 1, "animate: at least one take is needed");
   const FaceModel::Parts& parts = model.parts();
+  if (parts.probtalk3d != nullptr)
+    return probtalk3d::animate(parts, clip, options, num_takes, num_threads, progress, sink);
   MIEN_TRY(const Conditions given, conditions(parts, options));
   const double fps = parts.description.output.fps;
   const auto num_samples = static_cast<std::int64_t>(clip.samples.size());

@@ -5,6 +5,7 @@
 #include "mien/models/face_model.h"
 #include "mien/models/facediffuser/folded_denoiser.h"
 #include "mien/models/facexhubert/network.h"
+#include "mien/models/probtalk3d/network.h"
 #include "mien/models/speech_encoder/encoder_runtime.h"
 
 namespace mien {
@@ -18,6 +19,7 @@ struct FaceModel::Parts {
   std::shared_ptr<const facexhubert::Network<Tensor>> facexhubert{};
   std::shared_ptr<const facediffuser::VertexDenoiser<Tensor>> vertices{};
   std::shared_ptr<const facediffuser::FoldedDenoiser> folded{};
+  std::shared_ptr<const probtalk3d::Network<Tensor>> probtalk3d{};
 
   /// The neutral face of a subject; nullptr when the file has none.
   [[nodiscard]] const Tensor* neutral(std::string_view subject) const {

@@ -28,6 +28,12 @@ class RandomWeights : public ParameterVisitor<RandomWeights> {
                    std::int64_t kernel, Init) {
     slot = weights(name, {out, in, kernel}, in * kernel);
   }
+  void convolution(std::string_view name, PackedMatrix& slot, std::int64_t out, std::int64_t in,
+                   std::int64_t kernel, Init) {
+    Tensor w = normal(name, {out, in, kernel});
+    const float size = 1.5f / std::sqrt(static_cast<float>(std::max<std::int64_t>(in * kernel, 1)));
+    slot = PackedMatrix(tap_major(scale(std::move(w), size)));
+  }
   void tensor(std::string_view name, Tensor& slot, const Shape& shape, Init init) {
     slot = normal(name, shape);
     for (float& v : slot.values()) v = 0.3f * v + (init == Init::one ? 1.0f : 0.0f);

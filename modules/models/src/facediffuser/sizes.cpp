@@ -22,9 +22,11 @@ std::int64_t count_layers(const Shapes& shapes, const std::string& gru) {
 
 }  // namespace
 
-Result<Sizes> sizes_of(const SafetensorsFile& file) { return sizes_of(stored_shapes(file)); }
+Result<Sizes> sizes_of(const SafetensorsFile& file, std::optional<bool> styles_speech) {
+  return sizes_of(stored_shapes(file), styles_speech);
+}
 
-Result<Sizes> sizes_of(const Shapes& shapes) {
+Result<Sizes> sizes_of(const Shapes& shapes, std::optional<bool> styles_speech) {
   Sizes s;
   const bool is_damm = shapes.contains("rnn.weight_ih_l0");
   const std::string gru = is_damm ? "rnn" : "gru";
@@ -46,13 +48,14 @@ Result<Sizes> sizes_of(const Shapes& shapes) {
       s.condition = size_of(shapes, "cond_projection.weight", 2, 1);
       s.num_subjects = size_of(shapes, "obj_vector.weight", 2, 1);
       s.num_taps = size_of(shapes, "input_projection.1.weight", 3, 2);
+      s.styles_speech = styles_speech.value_or(s.num_subjects == kEmotionalStyle || s.hidden != s.latent);
     } else {
       s.variant = Variant::beat;
       s.condition = input - s.latent - s.num_channels;
     }
   }
-  const bool has_styles =
-      s.variant != Variant::vertices || (s.num_subjects > 0 && s.num_taps % 2 == 1 && s.hidden == s.latent);
+  const bool has_styles = s.variant != Variant::vertices || (s.num_subjects > 0 && s.num_taps % 2 == 1 &&
+                                                             (s.styles_speech || s.hidden == s.latent));
   if (s.num_channels <= 0 || s.latent <= 0 || s.hidden <= 0 || s.num_layers <= 0 || s.num_steps <= 0 ||
       s.condition <= 0 || !has_styles)
     return Error{

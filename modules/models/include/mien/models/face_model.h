@@ -10,6 +10,7 @@
 #include "mien/core/audio_clip.h"
 #include "mien/core/motion.h"
 #include "mien/models/model_file.h"
+#include "mien/models/probtalk3d/draw_options.h"
 #include "mien/models/seeds.h"
 #include "mien/models/speech_encoder/encoder_runtime.h"
 #include "mien/motion/sampler.h"
@@ -20,17 +21,20 @@ namespace mien {
 struct FaceOptions {
   std::string style;    ///< whose manner: a subject of the model. Empty: the first
   std::string neutral;  ///< whose neutral face. Empty: the style's own where the file has it, else the first
-  std::string emotion;  ///< one of the model's emotions. Empty: the last, as in the authors' program
+  /// One of the model's emotions. Empty: the last, as in FaceXHuBERT's program. Models with intensities:
+  /// "happy", "happy:3" or "happy:high"; empty: the first, neutral
+  std::string emotion;
   SamplerOptions sampler{.kind = SamplerKind::ancestral};
-  std::string respacing;    ///< rule for a shorter process (respaced_steps()); empty: all steps
-  std::int64_t skip = 0;    ///< noisiest steps to leave out
-  bool same_noise = false;  ///< fresh noise of a step is the same in all frames ("const noise")
-  std::uint64_t seed = 0;   ///< same seed, same performance
-  EncoderWindows windows;   ///< long speech in pieces, which is not exact; none: at once
+  std::string respacing;         ///< rule for a shorter process (respaced_steps()); empty: all steps
+  std::int64_t skip = 0;         ///< noisiest steps to leave out
+  bool same_noise = false;       ///< fresh noise of a step is the same in all frames ("const noise")
+  probtalk3d::DrawOptions draw;  ///< of ProbTalk3D, which has no diffusion
+  std::uint64_t seed = 0;        ///< same seed, same performance
+  EncoderWindows windows;        ///< long speech in pieces, which is not exact; none: at once
 };
 
-/// A published system, loaded with its speech encoder: FaceXHuBERT or FaceDiffuser. Immutable; may be shared
-/// by threads.
+/// A published system, loaded with its speech encoder: FaceXHuBERT, FaceDiffuser or ProbTalk3D. Immutable;
+/// may be shared by threads.
 class FaceModel {
  public:
   /// Whether animate() below runs models of this architecture.
@@ -54,12 +58,16 @@ class FaceModel {
   std::unique_ptr<Parts> parts_;
 };
 
+/// How the authors' program walks: FaceDiffuser's all of its steps, ancestral; the emotional form's the last
+/// 100 of its 1000 with DDIM, from little noise, so that its takes hardly differ.
+FaceOptions published_options(const ModelFile& model);
+
 /// Receives the next frames of a take, [count, C]. An error stops the work.
 using FrameSink = std::function<Status(int take, std::span<const float> values)>;
 
 /// Speech to motion, `num_takes` performances side by side with the seeds performance_seed(seed, k); frames
-/// arrive in blocks of about five seconds. Bits do not depend on threads. Errors: a clip shorter than a frame
-/// (input), words the model does not know (usage), cancelled.
+/// arrive in blocks of about five seconds, those of ProbTalk3D at once. Bits do not depend on threads.
+/// Errors: a clip shorter than a frame (input), words the model does not know (usage), cancelled.
 Status animate(const FaceModel& model, const AudioClip& clip, const FaceOptions& options, int num_takes,
                int num_threads, Progress& progress, const FrameSink& sink);
 /// The same with the motions in memory.

@@ -29,11 +29,19 @@ struct Sizes {
   std::int64_t condition = 1536;  ///< H
   std::int64_t num_subjects = 0;  ///< V only
   std::int64_t num_taps = 9;      ///< V only: of the filter along the latent axis
+  /// ProbTalk3D's emotional form of V (its paper, section 5.1): the style (identity, emotion and intensity)
+  /// scales the tokens of speech, not the states of the GRU, whose width is then free.
+  bool styles_speech = false;
 };
 
-/// Read from names and shapes of the stored tensors. Errors (Errc::incompatible): weights of no variant.
-Result<Sizes> sizes_of(const std::map<std::string, Shape>& shapes);
-Result<Sizes> sizes_of(const SafetensorsFile& file);
+/// Columns of the published emotional form's style, by which it is told from V: 32 identities, 8 emotions, 3
+/// intensities.
+inline constexpr std::int64_t kEmotionalStyle = 43;
+
+/// Read from names and shapes of the stored tensors. `styles_speech`: what is known of V's style; else it is
+/// told by the width of the style and of the GRU. Errors (Errc::incompatible): weights of no variant.
+Result<Sizes> sizes_of(const std::map<std::string, Shape>& shapes, std::optional<bool> styles_speech = {});
+Result<Sizes> sizes_of(const SafetensorsFile& file, std::optional<bool> styles_speech = {});
 
 /// Everything about a performance that no diffusion step changes.
 template <class T>
@@ -108,14 +116,15 @@ struct VertexDenoiser {
   /// Input of the GRU, [.., N, 3 L].
   T tokens(const T& x_t, const Conditions<T>& given, std::int64_t step) const {
     using B = Operations<T>;
-    return norm(B::concat_columns(
-        {given.speech, noise_tokens(x_t), repeated(time_token(x_t, step), x_t, sizes.latent)}));
+    return norm(B::concat_columns({sizes.styles_speech ? B::mul(given.speech, given.style) : given.speech,
+                                   noise_tokens(x_t), repeated(time_token(x_t, step), x_t, sizes.latent)}));
   }
   /// `between` acts between the layers of the GRU (dropout in training).
   template <class Between>
   T predict_x0(const T& x_t, const Conditions<T>& given, std::int64_t step, Between&& between) const {
     using B = Operations<T>;
-    return B::add(out(B::mul(gru(tokens(x_t, given, step), between), given.style)), given.neutral);
+    const T states = gru(tokens(x_t, given, step), between);
+    return B::add(out(sizes.styles_speech ? states : B::mul(states, given.style)), given.neutral);
   }
   T predict_x0(const T& x_t, const Conditions<T>& given, std::int64_t step) const {
     return predict_x0(x_t, given, step, [](T y) { return y; });

@@ -6,6 +6,7 @@
 #include "fixture.h"
 #include "mien/metrics/control_error.h"
 #include "mien/metrics/surface_distance.h"
+#include "mien/metrics/take_error.h"
 #include "mien/metrics/vertex_error.h"
 #include "mien/metrics/vertex_regions.h"
 
@@ -142,6 +143,59 @@ TEST(MetricsParity, SurfaceDistance) {
       for (const Vec3& point : points) distances.push_back(tree.distance(point));
     }
     MIEN_EXPECT_CLOSE(distances, fixture.doubles("expected.per_vertex"), "metrics.distance");
+  });
+}
+
+// Sample i of a tensor [S, N, V, 3].
+Motion sample(const Fixture& fixture, const std::string& name, std::int64_t i) {
+  const auto all = fixture.file().as<float>(name).value();
+  const Shape& shape = fixture.file().find(name)->shape;
+  const auto count = static_cast<std::size_t>(shape.at(1) * shape.at(2) * shape.at(3));
+  const auto own = all.subspan(static_cast<std::size_t>(i) * count, count);
+  return vertex_motion({"recorded", shape.at(2)}, 25, {own.begin(), own.end()});
+}
+
+TEST(MetricsParity, ErrorsOfTakes) {
+  for_each_case("probtalk3d", "", "etrics.safetensors", [](const std::string& name) {
+    const Fixture fixture("probtalk3d", name + "etrics.safetensors");
+    const auto mouth = indices(fixture, "in.mouth_map"), upper = indices(fixture, "in.upper_map");
+    const Tensor neutral = fixture.tensor("in.template");
+    const auto number = [&](const std::string& value) { return double{fixture.tensor(value).values()[0]}; };
+    const auto numbers = [&](const char* values) {
+      const Tensor all = fixture.tensor(values);
+      return Values(all.values().begin(), all.values().end());
+    };
+    VertexErrors first_takes({mouth, upper});
+    TakeErrors errors(mouth);
+    for (int s = 0; fixture.has("in.seq" + std::to_string(s) + ".gt"); ++s) {
+      const std::string sequence = "seq" + std::to_string(s), in = "in." + sequence, mid = "mid." + sequence;
+      SCOPED_TRACE(sequence);
+      const Tensor recorded = fixture.tensor(in + ".gt");
+      const Motion truth = vertex_motion({"recorded", recorded.shape().at(1)}, 25,
+                                         {recorded.values().begin(), recorded.values().end()});
+      std::vector<Motion> takes;
+      for (std::int64_t i = 0; i < fixture.file().find(in + ".samples")->shape.at(0); ++i)
+        takes.push_back(sample(fixture, in + ".samples", i));
+      const auto order = fixture.integers(in + ".shuffle_order");
+      const std::vector<std::size_t> shuffled(order.begin(), order.end());
+      ASSERT_TRUE(errors.add(sequence, truth, takes, shuffled));
+      ASSERT_TRUE(first_takes.add(sequence, truth, takes.front(), neutral.values()));
+      MIEN_EXPECT_CLOSE(Values{errors.sequences().back().diversity}, fixture.doubles(mid + ".diversity"),
+                        "metrics.error");
+      MIEN_EXPECT_CLOSE(Values{first_takes.sequences().back().fdd},
+                        Values{number(mid + ".upper_std_gt") - number(mid + ".upper_std_pred")},
+                        "metrics.take");
+    }
+    ASSERT_FALSE(errors.sequences().empty());
+    MIEN_EXPECT_CLOSE(Values{first_takes.mve()}, fixture.doubles("out.MVE"), "metrics.take");
+    MIEN_EXPECT_CLOSE(Values{first_takes.lve()}, fixture.doubles("out.LVE"), "metrics.take");
+    MIEN_EXPECT_CLOSE(Values{first_takes.fdd()}, fixture.doubles("out.FDD"), "metrics.take");
+    MIEN_EXPECT_CLOSE(Values{errors.mee()}, fixture.doubles("out.MEE"), "metrics.take");
+    MIEN_EXPECT_CLOSE(Values{errors.ce()}, fixture.doubles("out.CE"), "metrics.take");
+    MIEN_EXPECT_CLOSE(Values{errors.diversity()}, fixture.doubles("out.Diversity"), "metrics.take");
+    const VertexMovement moved = vertex_movement(sample(fixture, "in.seq1.samples", 0));
+    MIEN_EXPECT_CLOSE(moved.mean, numbers("out.heatmap_mean_seq1_sample0"), "metrics.take");
+    MIEN_EXPECT_CLOSE(moved.deviation, numbers("out.heatmap_std_seq1_sample0"), "metrics.take");
   });
 }
 

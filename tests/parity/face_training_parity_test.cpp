@@ -5,7 +5,7 @@
 #include <unistd.h>
 
 #include "closeness.h"
-#include "fixture.h"
+#include "face_weights.h"
 #include "mien/train/face_training.h"
 #include "mien/train/optimiser.h"
 
@@ -13,12 +13,6 @@ namespace mien::parity {
 namespace {
 
 using namespace train;
-
-template <class T>
-T taken(Result<T> result) {
-  if (!result) throw std::runtime_error(result.error().message());
-  return std::move(result).value();
-}
 
 std::vector<double> values_of(const torch::Tensor& x) {
   const torch::Tensor flat = x.detach().to(torch::kDouble).contiguous();
@@ -29,16 +23,6 @@ std::vector<float> floats_of(const mien::Tensor& x) { return {x.values().begin()
 
 torch::Tensor to_torch(const mien::Tensor& x) {
   return torch::from_blob(const_cast<float*>(x.data()), {1, x.num_rows(), x.width()}, torch::kFloat).clone();
-}
-
-EncoderConfig encoder_config(const nlohmann::json& hubert) {
-  EncoderConfig c;
-  c.hidden_size = hubert.at("hidden").get<std::int64_t>();
-  c.num_hidden_layers = hubert.at("layers").get<std::int64_t>();
-  c.num_attention_heads = hubert.at("heads").get<std::int64_t>();
-  c.intermediate_size = hubert.at("inter").get<std::int64_t>();
-  c.conv_dim.assign(c.conv_dim.size(), hubert.at("conv").get<std::int64_t>());
-  return c;
 }
 
 FaceNetwork::Head head_of(const SafetensorsFile& weights) {
@@ -59,7 +43,7 @@ struct FaceCase {
         weights(folder, name + ".weights.safetensors"),
         inputs(folder, name + ".inputs.safetensors"),
         config(inputs.config()),
-        network{SpeechEncoder<torch::Tensor>(encoder_config(config.at("hubert"))), head_of(weights.file()),
+        network{SpeechEncoder<torch::Tensor>(recorded_encoder(config.at("hubert"))), head_of(weights.file()),
                 config.at("fps").get<double>()} {
     initialise_as_published(network, 1);
     const Status loaded = load_parameters(parameters(network), weights.file());

@@ -2,69 +2,34 @@
 
 #include <algorithm>
 
-#include "mien/models/alignment.h"
+#include "closeness.h"
 
 namespace mien::parity {
-namespace {
 
-AnyDenoiser load_network(const Fixture& weights) {
-  const auto sizes = facediffuser::sizes_of(weights.file());
-  if (!sizes) throw std::runtime_error(sizes.error().message());
-  switch (sizes->variant) {
-    case facediffuser::Variant::vertices:
-      return loaded(weights, facediffuser::VertexDenoiser<Tensor>(*sizes));
-    case facediffuser::Variant::beat:
-      return loaded(weights, facediffuser::BeatDenoiser<Tensor>(*sizes));
-    case facediffuser::Variant::damm:
-      break;
-  }
-  return loaded(weights, facediffuser::DammDenoiser<Tensor>(*sizes));
+EncoderConfig recorded_encoder(const nlohmann::json& hubert) {
+  EncoderConfig c;
+  c.hidden_size = hubert.at("hidden").get<std::int64_t>();
+  c.num_hidden_layers = hubert.at("layers").get<std::int64_t>();
+  c.num_attention_heads = hubert.at("heads").get<std::int64_t>();
+  c.intermediate_size = hubert.at("inter").get<std::int64_t>();
+  c.conv_dim.assign(c.conv_dim.size(), hubert.at("conv").get<std::int64_t>());
+  return c;
 }
 
-// The encoder's last layer is its output.
-Tensor speech_features(const Fixture& forward) {
+Tensor speech_features(const Fixture& recorded) {
   std::string last;
-  for (int layer = 0; forward.has("hub.layer" + std::to_string(layer)); ++layer)
-    last = "hub.layer" + std::to_string(layer);
-  return forward.tensor(last);
+  for (int layer = 0; recorded.has(numbered("hub.layer", layer)); ++layer)
+    last = numbered("hub.layer", layer);
+  return recorded.tensor(last);
 }
 
 Tensor as_row(const Tensor& x) { return x.reshaped({1, x.count()}); }
 
-}  // namespace
-
-DiffuserCase::DiffuserCase(const std::string& case_name)
-    : name(case_name), network(load_network(open("weights"))), forward(open("forward")) {
-  const auto config = forward.config();
-  num_steps = config.at("steps").get<std::int64_t>();
-  const Tensor features = speech_features(forward);
-  const std::int64_t num_frames = forward.tensor("x_t").num_rows();
-  aligned_speech =
-      aligned(features, align_features(features.num_rows(), num_frames, config.at("fps").get<double>()));
-  std::visit([&](const auto& n) { given.speech = n.speech_tokens(aligned_speech); }, network);
-  if (const auto* v = std::get_if<facediffuser::VertexDenoiser<Tensor>>(&network)) {
-    const Fixture inputs = open("inputs");
-    given.style = v->style(as_row(inputs.tensor("one_hot")));
-    given.neutral = as_row(inputs.tensor("template"));
-  }
-}
-
-bool DiffuserCase::is_latent() const {
-  return std::holds_alternative<facediffuser::VertexDenoiser<Tensor>>(network);
-}
-
-std::shared_ptr<const facediffuser::FoldedDenoiser> DiffuserCase::folded() const {
-  return std::visit(
-      [](const auto& n) {
-        using Network = std::decay_t<decltype(n)>;
-        return std::make_shared<const facediffuser::FoldedDenoiser>(
-            facediffuser::fold(std::make_shared<const Network>(n)));
-      },
-      network);
-}
-
-Tensor DiffuserCase::predict_x0(const Tensor& x_t, std::int64_t step) const {
-  return std::visit([&](const auto& n) { return n.predict_x0(x_t, given, step); }, network);
+Tensor waveform(const Fixture& inputs, const std::string& suffix) {
+  Tensor wave = inputs.tensor("audio_raw" + suffix);
+  normalise_waveform(wave.values(), EncoderConfig().normalise_eps);
+  MIEN_EXPECT_CLOSE(wave, inputs.tensor("audio" + suffix), "stage");
+  return wave.reshaped({wave.count(), 1});
 }
 
 RecordedNoise::RecordedNoise(const Fixture& fixture, const std::string& initial, const std::string& steps)

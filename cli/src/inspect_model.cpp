@@ -140,6 +140,7 @@ Result<Facts> inspect_model(const std::filesystem::path& path, const Safetensors
   facts.add("tensors", static_cast<std::int64_t>(file.tensors().size()));
   add_description(m, file, facts);
   for (const auto& [name, size] : m.sizes) facts.add(name, size);
+  if (!m.noise_encoder.empty()) facts.add("noise_encoder", m.noise_encoder);
   if (m.architecture == Architecture::default_model) {
     facts.add("styles", m.styles);
   } else if (m.output.space == "vertices") {

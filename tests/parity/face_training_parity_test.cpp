@@ -48,7 +48,7 @@ struct FaceCase {
     initialise_as_published(network, 1);
     const Status loaded = load_parameters(parameters(network), weights.file());
     if (!loaded) throw std::runtime_error(loaded.error().message());
-    learning = taken(freeze(network, published_frozen()));
+    learning = taken(freeze(parameters(network), published_frozen()));
     options.diffusion_steps = config.value("steps", std::int64_t{1});
     stage.emplace(network, FaceSequences{}, options);
   }

@@ -32,7 +32,7 @@ class FaceDiffuser : public testing::Test {
     std::visit(
         [&](const auto& n) {
           const T tokens = n.tokens(x_t, c.given, step);
-          const T states = n.gru(tokens);
+          const T states = n.decoder.states(tokens);
           if (f.has("norm_cond")) expect(tokens, "norm_cond");
           if (f.has("gru")) expect(states, "gru");
           if (f.has("rnn")) expect(states, "rnn");
@@ -40,10 +40,10 @@ class FaceDiffuser : public testing::Test {
         },
         c.network);
     if (const auto* v = c.vertices()) {
-      const T linear = v->noise_in(x_t);
+      const T linear = v->noise.map(x_t);
       expect(linear, "noise_enc.linear");
-      expect(v->noise_filter(linear), "noise_enc.conv");
-      expect(v->noise_tokens(x_t), "noise_enc.out");
+      expect(v->noise.filter(linear), "noise_enc.conv");
+      expect(v->noise(x_t), "noise_enc.out");
       expect(c.given.speech, "cond_projection");
       expect(c.given.style, "style_vector");
     }

@@ -41,7 +41,8 @@ TYPED_TEST_P(FaceXHuBert, PredictsTheRecordedVertices) {
       ++num_compared;
     }
     EXPECT_GT(num_compared, 0);
-    MIEN_EXPECT_CLOSE(Backend<TypeParam>::values(network.gru(features)), recorded.tensor("gru"), "stage");
+    MIEN_EXPECT_CLOSE(Backend<TypeParam>::values(network.decoder.states(features)), recorded.tensor("gru"),
+                      "stage");
   });
 }
 

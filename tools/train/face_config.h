@@ -18,7 +18,10 @@ struct FaceConfig {
   std::filesystem::path encoder;      ///< a model file with a speech encoder
   std::vector<std::string> subjects;  ///< order of the style columns; empty: that of the data set's layout
   std::int64_t latent = 512;          ///< of the tokens; FaceXHuBERT has none
-  std::int64_t hidden = 512, num_layers = 2;  ///< of the GRU
+  std::int64_t hidden = 512;          ///< of the decoder
+  DecoderSizes decoder;
+  bool has_diffusion = true;  ///< of FaceDiffuser
+  facediffuser::NoiseEncoder noise_encoder = facediffuser::NoiseEncoder::conv_max;
   std::int64_t num_epochs = 51;
   std::int64_t export_every = 25;  ///< epochs between models in the work folder; 0: none
   std::int64_t checkpoint_every = 500;

@@ -1,4 +1,5 @@
 #include "mien/datasets/dataset.h"
+#include "mien/train/encoder_training.h"
 #include "mien/train/face_data.h"
 #include "programs.h"
 #include "step_reporter.h"
@@ -54,14 +55,15 @@ FaceNetwork::Head head_for(const FaceConfig& config, const ModelFile& descriptio
   const std::int64_t input = group * description.encoder->hidden_size, width = description.output.channels;
   const auto num_subjects = static_cast<std::int64_t>(description.subjects.size());
   if (config.architecture == Architecture::facexhubert)
-    return facexhubert::Network<Tensor>({input, config.hidden, config.num_layers, num_subjects,
+    return facexhubert::Network<Tensor>({input, config.hidden, config.decoder, num_subjects,
                                          static_cast<std::int64_t>(description.emotions.size()), width});
   facediffuser::Sizes sizes;
   sizes.num_channels = width;
   sizes.latent = config.latent;
   sizes.hidden = config.hidden;
-  sizes.num_layers = config.num_layers;
-  sizes.num_steps = config.options.diffusion_steps;
+  sizes.decoder = config.decoder;
+  sizes.noise_encoder = config.noise_encoder;
+  sizes.num_steps = config.has_diffusion ? config.options.diffusion_steps : 0;
   sizes.condition = input;
   if (config.architecture == Architecture::facediffuser_v) {
     sizes.variant = facediffuser::Variant::vertices;
@@ -74,7 +76,7 @@ FaceNetwork::Head head_for(const FaceConfig& config, const ModelFile& descriptio
   }
   constexpr std::int64_t kSinusoids = 5000;  // entries of the stored table
   sizes.variant = facediffuser::Variant::damm;
-  sizes.num_steps = std::max(kSinusoids, sizes.num_steps);
+  if (sizes.is_diffusion()) sizes.num_steps = std::max(kSinusoids, sizes.num_steps);
   return facediffuser::DammDenoiser<Tensor>(sizes);
 }
 
@@ -92,23 +94,16 @@ ModelFile describe(const FaceConfig& config, const Dataset& dataset, std::int64_
   m.encoder = encoder;
   if (config.architecture == Architecture::facexhubert)
     m.emotions = {"neutral", "expressive"};
-  else
+  else if (config.has_diffusion)
     m.diffusion = {std::string(beta_schedule_name(config.options.schedule)), config.options.diffusion_steps};
+  if (config.decoder.kind == DecoderKind::transformer) m.sizes["decoder_heads"] = config.decoder.heads;
+  if (config.has_diffusion && config.noise_encoder != facediffuser::NoiseEncoder::conv_max)
+    m.noise_encoder = facediffuser::noise_encoder_name(config.noise_encoder);
   if (is_mesh) m.subjects = config.subjects.empty() ? layout.train_subjects : config.subjects;
   m.licence = "that of the data set '" + std::string(layout.name) + "' and of the speech encoder";
   m.training_config = config.run.text;
   m.training_set = "{\"layout\": \"" + std::string(layout.name) + "\"}";
   return m;
-}
-
-// The encoder's weights; masked_spec_embed keeps its start where a checkpoint has none.
-Status load_encoder(FaceNetwork& network, const SafetensorsFile& file) {
-  Collect encoder;
-  encoder.scope("audio_encoder", network.encoder);
-  std::erase_if(encoder.entries, [&](const Collect::Entry& e) {
-    return e.name.ends_with("masked_spec_embed") && file.find(e.name) == nullptr;
-  });
-  return load_parameters(encoder.entries, file, ModelFile::kEncoderPrefix);
 }
 
 Result<FaceRun> prepare(const FaceConfig& config) {
@@ -132,7 +127,7 @@ Result<FaceRun> prepare(const FaceConfig& config) {
   run.network.reset(new FaceNetwork{SpeechEncoder<Tensor>(*source->encoder),
                                     head_for(config, run.description), run.description.output.fps});
   initialise_as_published(*run.network, config.options.seed);
-  const auto loaded = load_encoder(*run.network, file);
+  const auto loaded = load_encoder(run.network->encoder, file);
   if (!loaded) return within(loaded.error(), name);
   for (const auto& e : parameters(*run.network)) *e.slot = e.slot->detach().to(config.options.device);
   return run;
@@ -162,7 +157,7 @@ Status train_face(const FaceConfig& config, ConsoleProgress& progress) {
   const bool is_mesh = run.description.output.space == "vertices";
   MIEN_TRY(FaceSequences sequences,
            face_sequences(run.dataset, *run.description.encoder, {run.description.subjects, is_mesh}));
-  MIEN_TRY(const auto learning, freeze(*run.network, config.frozen));
+  MIEN_TRY(const auto learning, freeze(parameters(*run.network), config.frozen));
   std::error_code ec;
   std::filesystem::create_directories(config.run.work_folder, ec);
   if (ec)
@@ -204,7 +199,7 @@ Status train_face(const FaceConfig& config, ConsoleProgress& progress) {
 
 Status snapshot_face(const FaceConfig& config, const std::filesystem::path& path, ConsoleProgress& progress) {
   MIEN_TRY(FaceRun run, prepare(config));
-  MIEN_TRY(const auto learning, freeze(*run.network, config.frozen));
+  MIEN_TRY(const auto learning, freeze(parameters(*run.network), config.frozen));
   MIEN_TRY(const auto step, load_stage_average(learning, checkpoint_of(config)));
   progress.say("checkpoint of step " + std::to_string(step));
   return write_model(run, path);

@@ -154,6 +154,14 @@ Result<DiffusionProcess> diffusion_process(const FaceModel::Parts& model, const 
   return process;
 }
 
+SeededFrameNoise noise_of(int take, std::int64_t width, const FaceOptions& options) {
+  return {performance_seed(options.seed, take), kNoiseStream, width, options.same_noise};
+}
+
+Tensor style_of(const facediffuser::VertexDenoiser<Tensor>& network, const Conditions& given) {
+  return network.style(Operations<Tensor>::one_hot({}, given.style, network.sizes.num_subjects));
+}
+
 // One walk for all takes, side by side through the same weights.
 Result<MakeFrames> diffusing(const FaceModel::Parts& model, const Conditions& given,
                              const FaceOptions& options, int num_takes, int num_threads,
@@ -165,15 +173,13 @@ Result<MakeFrames> diffusing(const FaceModel::Parts& model, const Conditions& gi
   };
   const auto work = std::make_shared<Work>();
   for (int take = 0; take < num_takes; ++take)
-    work->noise.emplace_back(performance_seed(options.seed, take), kNoiseStream, model.folded->noise_width,
-                             options.same_noise);
+    work->noise.push_back(noise_of(take, model.folded->noise_width, options));
   std::vector<facediffuser::Lane> lanes;
   for (const auto& own : work->noise) {
     facediffuser::Lane lane;
     lane.noise = &own;
     if (model.vertices != nullptr) {
-      lane.style = model.vertices->style(
-          Operations<Tensor>::one_hot({}, given.style, model.vertices->sizes.num_subjects));
+      lane.style = style_of(*model.vertices, given);
       lane.neutral = given.neutral;
     }
     lanes.push_back(std::move(lane));
@@ -193,12 +199,57 @@ Result<MakeFrames> diffusing(const FaceModel::Parts& model, const Conditions& gi
   });
 }
 
+// Makes all frames at once, when the speech of the whole clip is there: for what has no fast path.
+MakeFrames at_the_end(std::int64_t num_frames, MakeFrames make) {
+  const auto speech = std::make_shared<Tensor>();
+  return [speech, num_frames, make = std::move(make)](const Tensor& block) -> Status {
+    *speech = speech->count() == 0 ? block : concat_rows(*speech, block);
+    return speech->num_rows() < num_frames ? Status(Done{}) : make(*speech);
+  };
+}
+
+// Ablations of FaceDiffuser: the plain sampler, or no diffusion.
+template <class Network>
+Result<MakeFrames> diffusing_plainly(const FaceModel::Parts& model, std::shared_ptr<const Network> network,
+                                     const Conditions& given, const FaceOptions& options, int num_takes,
+                                     Progress& progress, const FrameSink& sink) {
+  std::optional<DiffusionProcess> process;
+  if (network->sizes.is_diffusion()) {
+    MIEN_TRY(process, diffusion_process(model, options));
+  }
+  return MakeFrames([&model, network, given, options, num_takes, &progress, &sink,
+                     process](const Tensor& speech) -> Status {
+    facediffuser::Conditions<Tensor> conditions{network->speech_tokens(speech), {}, {}};
+    if constexpr (std::is_same_v<Network, facediffuser::VertexDenoiser<Tensor>>) {
+      conditions.style = style_of(*network, given);
+      conditions.neutral = given.neutral;
+    }
+    // After an interruption the rest of a walk costs nothing.
+    const auto denoise = [&](const Tensor& x_t, std::int64_t step) {
+      return progress.cancelled() ? x_t : network->predict_x0(x_t, conditions, step);
+    };
+    for (int take = 0; take < num_takes; ++take) {
+      const std::int64_t width = network->sizes.num_channels;
+      Tensor frames = process ? facediffuser::sample_plainly(denoise, speech.num_rows(), width, *process,
+                                                             {options.sampler, options.skip},
+                                                             noise_of(take, width, options))
+                              : network->predict_x0({}, conditions, 0);
+      if (progress.cancelled()) return Error{Errc::cancelled, "animating", "interrupted", ""};
+      unscale(model.description, frames);
+      MIEN_TRY([[maybe_unused]] const auto written, sink(take, frames.values()));
+    }
+    return Done{};
+  });
+}
+
 MakeFrames predicting(const FaceModel::Parts& model, const Conditions& given, int num_takes,
                       const FrameSink& sink) {
   const auto& sizes = model.facexhubert->sizes;
   const Tensor subject = Operations<Tensor>::one_hot({}, given.style, sizes.num_subjects);
   const Tensor emotion = Operations<Tensor>::one_hot({}, given.emotion, sizes.num_emotions);
-  const auto past = std::make_shared<std::vector<Tensor>>();
+  // Recurrent decoders read the clip block after block.
+  const auto past =
+      model.facexhubert->decoder.is_recurrent() ? std::make_shared<std::vector<Tensor>>() : nullptr;
   return [&model, &sink, subject, emotion, neutral = given.neutral, past,
           num_takes](const Tensor& speech) -> Status {
     const Tensor frames = (*model.facexhubert)(speech, subject, emotion, neutral, past.get());
@@ -229,11 +280,23 @@ Status animate(const FaceModel& model, const AudioClip& clip, const FaceOptions&
                  "is too short: " + std::to_string(num_samples) + " samples at 16 kHz give no frame",
                  "At least two frames' time is needed"};
   MakeFrames make;
-  if (is_diffusion) {
+  const auto plainly = [&](const auto& network) -> Status {
+    MIEN_TRY(MakeFrames all, diffusing_plainly(parts, network, given, options, num_takes, progress, sink));
+    make = at_the_end(alignment.num_frames, std::move(all));
+    return Done{};
+  };
+  Status is_ready = Done{};
+  if (!is_diffusion) {
+    make = predicting(parts, given, num_takes, sink);
+    if (!parts.facexhubert->decoder.is_recurrent()) make = at_the_end(alignment.num_frames, std::move(make));
+  } else if (parts.folded != nullptr) {
     MIEN_TRY(make, diffusing(parts, given, options, num_takes, num_threads, sink));
   } else {
-    make = predicting(parts, given, num_takes, sink);
+    is_ready = parts.vertices != nullptr ? plainly(parts.vertices)
+               : parts.beat != nullptr   ? plainly(parts.beat)
+                                         : plainly(parts.damm);
   }
+  if (!is_ready) return is_ready.error();
   progress.stage("encoding", 0);
   FeatureFeed feed(alignment, num_features, std::move(make), progress);
   const EncodeOptions encoding{

@@ -28,27 +28,70 @@ Error unfit(const std::string& why) {
   return {Errc::incompatible, "model", why, "The file may be damaged; import the checkpoint again"};
 }
 
+// What shapes do not tell of a decoder.
+Status describe_decoder(const ModelFile& description, std::int64_t hidden, DecoderSizes& decoder) {
+  if (decoder.kind != DecoderKind::transformer) return Done{};
+  const auto heads = description.sizes.find("decoder_heads");
+  if (heads == description.sizes.end() || heads->second < 1 || hidden % heads->second != 0)
+    return unfit("does not say how many heads its transformer has, or " + std::to_string(hidden) +
+                 " numbers cannot be split among them");
+  decoder.heads = heads->second;
+  return Done{};
+}
+
+Result<facexhubert::Sizes> facexhubert_sizes(const SafetensorsFile& file, const ModelFile& description) {
+  MIEN_TRY(facexhubert::Sizes sizes, facexhubert::sizes_of(file));
+  MIEN_TRY([[maybe_unused]] const auto known, describe_decoder(description, sizes.hidden, sizes.decoder));
+  return sizes;
+}
+
+Result<facediffuser::Sizes> diffuser_sizes(const SafetensorsFile& file, const ModelFile& description) {
+  using facediffuser::NoiseEncoder;
+  MIEN_TRY(facediffuser::Sizes sizes, facediffuser::sizes_of(file));
+  MIEN_TRY([[maybe_unused]] const auto known, describe_decoder(description, sizes.hidden, sizes.decoder));
+  if (description.noise_encoder.empty()) return sizes;
+  const auto kind = facediffuser::parse_noise_encoder(description.noise_encoder);
+  const bool is_mlp = sizes.noise_encoder == NoiseEncoder::mlp;
+  if (!kind || (*kind == NoiseEncoder::mlp) != is_mlp)
+    return unfit("has the noise encoder '" + description.noise_encoder +
+                 "', which is not known or not that of its weights");
+  sizes.noise_encoder = *kind;
+  return sizes;
+}
+
+// The latent and frame-by-frame sampler knows the published form alone.
+template <class Network, class... Threads>
+std::shared_ptr<const facediffuser::FoldedDenoiser> folded(const std::shared_ptr<const Network>& network,
+                                                           Threads... num_threads) {
+  const facediffuser::Sizes& s = network->sizes;
+  if (s.decoder.kind != DecoderKind::gru || !s.is_diffusion() ||
+      s.noise_encoder != facediffuser::NoiseEncoder::conv_max)
+    return nullptr;
+  return std::make_shared<const facediffuser::FoldedDenoiser>(facediffuser::fold(network, num_threads...));
+}
+
 Status load_decoder(const SafetensorsFile& file, FaceModel::Parts& parts, int num_threads) {
   using namespace facediffuser;
   switch (parts.description.architecture) {
     case Architecture::facexhubert: {
       MIEN_TRY(parts.facexhubert,
-               load_network<facexhubert::Network<Tensor>>(file, facexhubert::sizes_of(file)));
+               load_network<facexhubert::Network<Tensor>>(file, facexhubert_sizes(file, parts.description)));
       return Done{};
     }
     case Architecture::facediffuser_v: {
-      MIEN_TRY(parts.vertices, load_network<VertexDenoiser<Tensor>>(file, sizes_of(file)));
-      parts.folded = std::make_shared<const FoldedDenoiser>(fold(parts.vertices, num_threads));
+      MIEN_TRY(parts.vertices,
+               load_network<VertexDenoiser<Tensor>>(file, diffuser_sizes(file, parts.description)));
+      parts.folded = folded(parts.vertices, num_threads);
       return Done{};
     }
     case Architecture::facediffuser_beat: {
-      MIEN_TRY(const auto network, load_network<BeatDenoiser<Tensor>>(file, sizes_of(file)));
-      parts.folded = std::make_shared<const FoldedDenoiser>(fold(network));
+      MIEN_TRY(parts.beat, load_network<BeatDenoiser<Tensor>>(file, diffuser_sizes(file, parts.description)));
+      parts.folded = folded(parts.beat);
       return Done{};
     }
     case Architecture::facediffuser_damm: {
-      MIEN_TRY(const auto network, load_network<DammDenoiser<Tensor>>(file, sizes_of(file)));
-      parts.folded = std::make_shared<const FoldedDenoiser>(fold(network));
+      MIEN_TRY(parts.damm, load_network<DammDenoiser<Tensor>>(file, diffuser_sizes(file, parts.description)));
+      parts.folded = folded(parts.damm);
       return Done{};
     }
     default:
@@ -73,6 +116,7 @@ Status check(const FaceModel::Parts& parts, std::int64_t condition, std::int64_t
   if (num_subjects > 0 && subjects != num_subjects) return differ("subjects", subjects, num_subjects);
   const auto emotions = static_cast<std::int64_t>(d.emotions.size());
   if (num_emotions > 0 && emotions != num_emotions) return differ("emotions", emotions, num_emotions);
+  if (num_steps == 0 && d.diffusion) return unfit("says that it diffuses, but has no time tokens");
   if (num_steps > 0 && (!d.diffusion || d.diffusion->steps < 1 || d.diffusion->steps > num_steps))
     return unfit("does not say how many diffusion steps it was trained with, or more than its " +
                  std::to_string(num_steps) + " time tokens");
@@ -126,8 +170,8 @@ Result<FaceModel> FaceModel::load(const std::filesystem::path& path, int num_thr
     const auto& s = parts->facexhubert->sizes;
     fits = check(*parts, s.input, s.num_channels, s.num_subjects, s.num_emotions, 0);
   } else {
-    const auto sizes = facediffuser::sizes_of(file);
-    fits = check(*parts, sizes->condition, sizes->num_channels, sizes->num_subjects, 0, sizes->num_steps);
+    const auto s = parts->diffuser_sizes();
+    fits = check(*parts, s.condition, s.num_channels, s.num_subjects, 0, s.num_steps);
   }
   if (!fits) return fail(fits.error());
   for (const std::string& subject : template_subjects(file)) {

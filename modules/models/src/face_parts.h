@@ -14,10 +14,18 @@ struct FaceModel::Parts {
   EncoderRuntime encoder;
   std::vector<std::pair<std::string, Tensor>> neutrals{};  ///< [1, D], in the order of the file
 
-  /// The network, by architecture. FaceDiffuser's are kept folded; V also as it is, for its styles.
+  /// The network, by architecture.
   std::shared_ptr<const facexhubert::Network<Tensor>> facexhubert{};
   std::shared_ptr<const facediffuser::VertexDenoiser<Tensor>> vertices{};
+  std::shared_ptr<const facediffuser::BeatDenoiser<Tensor>> beat{};
+  std::shared_ptr<const facediffuser::DammDenoiser<Tensor>> damm{};
+  /// FaceDiffuser for sampling frame by frame; none where its decoder is no GRU, or V's noise encoder
+  /// another, or it has no diffusion.
   std::shared_ptr<const facediffuser::FoldedDenoiser> folded{};
+
+  [[nodiscard]] facediffuser::Sizes diffuser_sizes() const {
+    return vertices != nullptr ? vertices->sizes : beat != nullptr ? beat->sizes : damm->sizes;
+  }
 
   /// The neutral face of a subject; nullptr when the file has none.
   [[nodiscard]] const Tensor* neutral(std::string_view subject) const {

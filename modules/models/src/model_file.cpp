@@ -78,6 +78,7 @@ Json to_json(const ModelFile& m) {
   if (m.look_ahead_mel_frames) json["look_ahead_mel_frames"] = *m.look_ahead_mel_frames;
   if (m.encoder) json["encoder"] = Json::parse(to_json(*m.encoder));
   if (m.diffusion) json["diffusion"] = {{"schedule", m.diffusion->schedule}, {"steps", m.diffusion->steps}};
+  if (!m.noise_encoder.empty()) json["noise_encoder"] = m.noise_encoder;
   if (m.scaler) json["scaler"] = {{"scale", m.scaler->scale}, {"min", m.scaler->min}};
   if (!m.styles.empty()) json["styles"] = m.styles;
   if (!m.subjects.empty()) json["subjects"] = m.subjects;
@@ -119,6 +120,7 @@ Status read_json(const Json& json, ModelFile& m) {
     m.diffusion = {diffusion->at("schedule").get<std::string>(), diffusion->at("steps").get<std::int64_t>()};
   if (const auto scaler = json.find("scaler"); scaler != json.end())
     m.scaler = {scaler->at("scale").get<std::vector<double>>(), scaler->at("min").get<std::vector<double>>()};
+  read(json, "noise_encoder", m.noise_encoder);
   read(json, "sizes", m.sizes);
   read(json, "look_ahead_mel_frames", m.look_ahead_mel_frames);
   read(json, "look_ahead_ms", m.look_ahead_ms);

@@ -106,7 +106,7 @@ TEST(FaceModel, AnimatesRigsAndPredictsExpressions) {
   EXPECT_EQ(curves->front().num_frames(), num_diffuser_frames(14400, 30));
 
   const facexhubert::Sizes sizes{
-      .input = 32, .hidden = 5, .num_layers = 2, .num_subjects = 2, .num_emotions = 2, .num_channels = 60};
+      .input = 32, .hidden = 5, .num_subjects = 2, .num_emotions = 2, .num_channels = 60};
   const auto mesh = FaceModel::load(
       write_model(face_description(Architecture::facexhubert), facexhubert::Network<Tensor>(sizes)));
   ASSERT_TRUE(mesh) << mesh.error().message();
@@ -116,6 +116,99 @@ TEST(FaceModel, AnimatesRigsAndPredictsExpressions) {
   EXPECT_EQ(expressive->front().num_frames(), small_face_encoder().num_frames(14400) / 2);
   options.emotion = "neutral";
   EXPECT_NE(animate(*mesh, clip(0.9), options, 1, 1, progress)->front().values, expressive->front().values);
+}
+
+// What training makes of the papers' ablations runs too, where there is no fast path on the plain sampler.
+TEST(FaceModel, AnimatesAblations) {
+  Progress progress;
+  FaceOptions first, second;
+  first.seed = 1;
+  second.seed = 2;
+  second.style = "M2";
+  const auto motion = [&](const ModelFile& m, auto network, const FaceOptions& options) {
+    const auto model = FaceModel::load(write_model(m, std::move(network)));
+    EXPECT_TRUE(model) << model.error().message();
+    const auto takes = animate(*model, clip(0.9), options, 2, 1, progress);
+    EXPECT_TRUE(takes) << takes.error().message();
+    EXPECT_GT(takes->front().num_frames(), 10);
+    EXPECT_EQ(takes->front().num_frames(), takes->back().num_frames());
+    for (const float v : takes->front().values) EXPECT_TRUE(std::isfinite(v));
+    const bool is_drawn = m.diffusion.has_value();
+    EXPECT_EQ(takes->front().values != takes->back().values, is_drawn) << "takes differ by their noise alone";
+    return takes->front().values;
+  };
+  for (const DecoderKind kind : {DecoderKind::rnn, DecoderKind::lstm, DecoderKind::transformer}) {
+    SCOPED_TRACE(decoder_kind_name(kind));
+    const DecoderSizes decoder{.kind = kind, .num_layers = 2, .heads = 2};
+    ModelFile mesh = face_description(Architecture::facediffuser_v),
+              expressive = face_description(Architecture::facexhubert);
+    if (kind == DecoderKind::transformer) mesh.sizes["decoder_heads"] = expressive.sizes["decoder_heads"] = 2;
+    facediffuser::Sizes sizes = small_mesh_sizes();
+    sizes.decoder = decoder;
+    const facediffuser::VertexDenoiser<Tensor> denoiser(sizes);
+    EXPECT_NE(motion(mesh, denoiser, first), motion(mesh, denoiser, second));
+    const facexhubert::Network<Tensor> network({.input = 32,
+                                                .hidden = 6,
+                                                .decoder = decoder,
+                                                .num_subjects = 2,
+                                                .num_emotions = 2,
+                                                .num_channels = 60});
+    EXPECT_NE(motion(expressive, network, first), motion(expressive, network, second));
+  }
+
+  using facediffuser::NoiseEncoder;
+  ModelFile mesh = face_description(Architecture::facediffuser_v);
+  const auto published = motion(mesh, facediffuser::VertexDenoiser<Tensor>(small_mesh_sizes()), first);
+  for (const NoiseEncoder kind : {NoiseEncoder::conv_average, NoiseEncoder::mlp}) {
+    facediffuser::Sizes sizes = small_mesh_sizes();
+    sizes.noise_encoder = kind;
+    mesh.noise_encoder = noise_encoder_name(kind);
+    EXPECT_NE(motion(mesh, facediffuser::VertexDenoiser<Tensor>(sizes), first), published);
+  }
+
+  for (const auto architecture :
+       {Architecture::facediffuser_v, Architecture::facediffuser_beat, Architecture::facediffuser_damm}) {
+    SCOPED_TRACE(architecture_name(architecture));
+    ModelFile m = face_description(architecture);
+    m.diffusion.reset();
+    facediffuser::Sizes sizes = small_mesh_sizes();
+    sizes.num_steps = 0;
+    if (architecture == Architecture::facediffuser_v) {
+      motion(m, facediffuser::VertexDenoiser<Tensor>(sizes), first);
+      continue;
+    }
+    sizes.num_channels = m.output.channels;
+    sizes.variant = architecture == Architecture::facediffuser_beat ? facediffuser::Variant::beat
+                                                                    : facediffuser::Variant::damm;
+    if (architecture == Architecture::facediffuser_beat)
+      motion(m, facediffuser::BeatDenoiser<Tensor>(sizes), first);
+    else
+      motion(m, facediffuser::DammDenoiser<Tensor>(sizes), first);
+  }
+}
+
+TEST(FaceModel, RefusesAblationsThatAreNotDescribed) {
+  facediffuser::Sizes sizes = small_mesh_sizes();
+  sizes.decoder = {.kind = DecoderKind::transformer, .num_layers = 1, .heads = 2};
+  ModelFile heads = face_description(Architecture::facediffuser_v), split = heads, noise = heads, mlp = heads,
+            steps = heads;
+  split.sizes["decoder_heads"] = 4;
+  noise.noise_encoder = "conv_median";
+  mlp.noise_encoder = "mlp";
+  const facediffuser::VertexDenoiser<Tensor> published(small_mesh_sizes());
+  const facediffuser::VertexDenoiser<Tensor> transformer(sizes);
+  const auto refused = [&](const ModelFile& m, const auto& network) {
+    const auto model = FaceModel::load(write_model(m, network));
+    ASSERT_FALSE(model);
+    EXPECT_EQ(model.error().code, Errc::incompatible) << model.error().message();
+  };
+  refused(heads, transformer);
+  refused(split, transformer);
+  refused(noise, published);
+  refused(mlp, published);
+  sizes = small_mesh_sizes();
+  sizes.num_steps = 0;
+  refused(steps, facediffuser::VertexDenoiser<Tensor>(sizes));
 }
 
 TEST(FaceModel, RefusesWhatItDoesNotKnow) {

@@ -101,7 +101,7 @@ TEST(FrameDiffusion, EqualsThePlainLoop) {
   Sizes damm = kRig;
   damm.variant = Variant::damm;
   damm.hidden = damm.latent;
-  damm.num_layers = 4;
+  damm.decoder.num_layers = 4;
   expect_equal_to_plain<DammDenoiser<Tensor>>(damm);
 }
 

@@ -5,7 +5,9 @@
 
 #include "mien/base/random.h"
 #include "mien/nn/causal.h"
+#include "mien/nn/recurrent.h"
 #include "mien/nn/runtime_operations.h"
+#include "mien/nn/transformer.h"
 
 namespace mien {
 namespace {
@@ -104,6 +106,100 @@ TEST(GruLayer, FollowsItsEquationsAndKeepsItsState) {
     EXPECT_NEAR(y.data()[n], h, 1e-6);
   }
   EXPECT_EQ(state.data()[0], y.data()[2]);
+}
+
+TEST(RnnLayer, FollowsItsEquation) {
+  RnnLayer<Tensor> rnn{1, 1};
+  rnn.w_ih = PackedMatrix(std::vector<float>{0.7f}, 1, 1);
+  rnn.w_hh = PackedMatrix(std::vector<float>{-0.4f}, 1, 1);
+  rnn.b_ih = Tensor({1}, std::vector<float>{0.1f});
+  rnn.b_hh = Tensor({1}, std::vector<float>{0.2f});
+  Tensor state({1, 1});
+  const Tensor x({3, 1}, std::vector<float>{1, -2, 0.5f});
+  const Tensor y = rnn(x, state);
+  double h = 0;
+  for (std::int64_t n = 0; n < 3; ++n) {
+    h = std::tanh(0.7 * x.data()[n] + 0.1 - 0.4 * h + 0.2);
+    EXPECT_NEAR(y.data()[n], h, 1e-6);
+  }
+  EXPECT_EQ(state.data()[0], y.data()[2]);
+}
+
+TEST(LstmLayer, FollowsItsEquationsAndKeepsBothStates) {
+  LstmLayer<Tensor> lstm{1, 1};
+  lstm.w_ih = PackedMatrix(std::vector<float>{0.5f, -0.3f, 0.8f, 0.6f}, 4, 1);
+  lstm.w_hh = PackedMatrix(std::vector<float>{0.2f, 0.4f, -0.6f, 0.3f}, 4, 1);
+  lstm.b_ih = Tensor({4}, std::vector<float>{0.1f, 0.2f, 0.3f, -0.2f});
+  lstm.b_hh = Tensor({4}, std::vector<float>{-0.1f, 0.05f, 0.15f, 0.4f});
+  Tensor state({1, LstmLayer<Tensor>::state_width(1)});
+  const Tensor x({3, 1}, std::vector<float>{1, -2, 0.5f});
+  const Tensor y = lstm(x, state);
+  double h = 0, c = 0;
+  const auto sigmoid = [](double v) { return 1 / (1 + std::exp(-v)); };
+  for (std::int64_t n = 0; n < 3; ++n) {
+    const double in = x.data()[n];
+    const double input = sigmoid(0.5 * in + 0.1 + 0.2 * h - 0.1),
+                 forget = sigmoid(-0.3 * in + 0.2 + 0.4 * h + 0.05);
+    const double cell = std::tanh(0.8 * in + 0.3 - 0.6 * h + 0.15),
+                 output = sigmoid(0.6 * in - 0.2 + 0.3 * h + 0.4);
+    c = forget * c + input * cell;
+    h = output * std::tanh(c);
+    EXPECT_NEAR(y.data()[n], h, 1e-6);
+  }
+  EXPECT_NEAR(state.data()[0], h, 1e-6);
+  EXPECT_NEAR(state.data()[1], c, 1e-6);
+}
+
+template <class Stack>
+void expect_same_bits_in_pieces() {
+  Stack stack(5, 4, 2);
+  Fill fill;
+  stack.visit(fill);
+  const Tensor x = noise_rows(9, 5), whole = stack(x);
+  std::vector<Tensor> states, parts;
+  std::int64_t at = 0;
+  for (const std::int64_t count : {1, 0, 6, 2}) {
+    parts.push_back(stack(Ops::rows(x, at, count), states));
+    at += count;
+  }
+  const Tensor pieces = Ops::concat_rows(parts);
+  for (std::int64_t i = 0; i < whole.count(); ++i) ASSERT_EQ(pieces.data()[i], whole.data()[i]);
+}
+
+TEST(RecurrentStack, GivesTheSameBitsInPieces) {
+  expect_same_bits_in_pieces<Gru<Tensor>>();
+  expect_same_bits_in_pieces<Rnn<Tensor>>();
+  expect_same_bits_in_pieces<Lstm<Tensor>>();
+}
+
+TEST(Sinusoids, AreSineAndCosineByPairs) {
+  const std::vector<float> row = sinusoid_row(3, 12);
+  EXPECT_FLOAT_EQ(row[0], std::sin(3.0f));
+  EXPECT_FLOAT_EQ(row[1], std::cos(3.0f));
+  EXPECT_NEAR(row[5], std::cos(3 * std::pow(10000.0, -4.0 / 12)), 1e-6);
+}
+
+TEST(TransformerDecoder, LooksBackwardsAndGoesOnFromWhereItStood) {
+  TransformerDecoder<Tensor> decoder(6, 3, 8, 2, 2);
+  Fill fill;
+  decoder.visit(fill);
+  const Tensor memory = noise_rows(5, 6);
+  Tensor rows = noise_rows(7, 3);
+  auto at_once = decoder.begin(memory);
+  const Tensor whole = decoder.next(rows, at_once);
+  EXPECT_EQ(whole.shape(), (Shape{7, 8}));
+  auto state = decoder.begin(memory);
+  for (std::int64_t n = 0; n < 7; ++n) {
+    const Tensor one = decoder.next(Ops::rows(rows, n, 1), state);
+    for (std::size_t i = 0; i < 8; ++i) EXPECT_NEAR(one.row(0)[i], whole.row(n)[i], 1e-6) << n;
+  }
+  EXPECT_EQ(state.num_rows, 7);
+  rows.row(4)[0] += 1;  // changes rows from 4 on
+  auto changed_state = decoder.begin(memory);
+  const Tensor changed = decoder.next(rows, changed_state);
+  for (std::int64_t n = 0; n < 7; ++n) EXPECT_EQ(changed.row(n)[1] == whole.row(n)[1], n < 4) << n;
+  auto empty = decoder.begin(memory);
+  EXPECT_EQ(decoder.next(Tensor({0, 3}), empty).shape(), (Shape{0, 8}));
 }
 
 TEST(RuntimeOperations, OneRowAppliesToAllAndJoinsMustFit) {

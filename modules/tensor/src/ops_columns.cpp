@@ -32,17 +32,28 @@ Tensor convolve_columns(const Tensor& x, const Tensor& taps, const Tensor& bias)
   return y;
 }
 
-Tensor max_pool_pairs(const Tensor& x) {
+namespace {
+
+template <class Pool>
+Tensor pool_pairs(const Tensor& x, const char* name, Pool&& pool) {
   require(x.rank() >= 1 && x.width() % 2 == 0,
-          [&] { return "max_pool_pairs: the width of " + shape_text(x.shape()) + " is odd"; });
+          [&] { return std::string(name) + ": the width of " + shape_text(x.shape()) + " is odd"; });
   Shape shape = x.shape();
   shape.back() /= 2;
   Tensor y = Tensor::uninitialized(std::move(shape));
-  for (std::int64_t i = 0; i < y.count(); ++i) {
-    const float a = x.data()[2 * i], b = x.data()[2 * i + 1];
-    y.data()[i] = a > b || a != a ? a : b;  // NaN passes
-  }
+  for (std::int64_t i = 0; i < y.count(); ++i) y.data()[i] = pool(x.data()[2 * i], x.data()[2 * i + 1]);
   return y;
+}
+
+}  // namespace
+
+Tensor max_pool_pairs(const Tensor& x) {
+  return pool_pairs(x, "max_pool_pairs",
+                    [](float a, float b) { return a > b || a != a ? a : b; });  // NaN passes
+}
+
+Tensor mean_pool_pairs(const Tensor& x) {
+  return pool_pairs(x, "mean_pool_pairs", [](float a, float b) { return 0.5f * (a + b); });
 }
 
 }  // namespace mien

@@ -330,6 +330,10 @@ TEST(MaxPoolPairs, TakesTheLargerAndKeepsNan) {
   EXPECT_TRUE(std::isnan(y.data()[2]));
   EXPECT_TRUE(std::isnan(max_pool_pairs(Tensor({1, 2}, std::vector<float>{1, kNan})).data()[0]));
   EXPECT_THROW(max_pool_pairs(Tensor({1, 3})), std::logic_error);
+  const Tensor means = mean_pool_pairs(Tensor({1, 6}, std::vector<float>{1, 2, -4, 3, kNan, 1}));
+  EXPECT_EQ(means.data()[0], 1.5f);
+  EXPECT_EQ(means.data()[1], -0.5f);
+  EXPECT_TRUE(std::isnan(means.data()[2]));
 }
 
 }  // namespace

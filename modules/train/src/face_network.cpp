@@ -17,21 +17,25 @@ void fill_normal(torch::Tensor& slot, Rng rng) {
   for (std::int64_t i = 0; i < slot.numel(); ++i) p[i] = static_cast<float>(rng.normal());
 }
 
-// [entries, 1, L]: sine in even, cosine in odd columns (specification of FaceDiffuser, section 6).
-void fill_sinusoids(torch::Tensor& table) {
-  const std::int64_t width = table.size(2);
-  for (std::int64_t t = 0; t < table.size(0); ++t)
-    for (std::int64_t c = 0; c < width; ++c) {
-      const double omega =
-          std::exp(-static_cast<double>(c - c % 2) * std::log(10000.0) / static_cast<double>(width));
-      const double angle = static_cast<double>(t) * omega;
-      table.data_ptr<float>()[t * width + c] =
-          static_cast<float>(c % 2 == 0 ? std::sin(angle) : std::cos(angle));
-    }
+// PyTorch's start of nn.MultiheadAttention: Xavier's bound for queries, keys and values as one matrix
+// [3 d, d], that of a linear map for the output, no biases.
+bool is_of_attention(const std::string& name) { return name.find("_attn.") != std::string::npos; }
+void fill_attention(torch::Tensor& slot, const std::string& name, Rng rng) {
+  if (name.ends_with(".bias")) {
+    slot.zero_();
+    return;
+  }
+  const auto width = static_cast<double>(slot.size(1));
+  fill_uniform(slot, name.ends_with("out_proj.weight") ? 1 / std::sqrt(width) : std::sqrt(6 / (4 * width)),
+               rng);
 }
 
-bool is_below(const std::string& name, const std::string& prefix) {
-  return name == prefix || name.starts_with(prefix + ".");
+// [entries, 1, L] (specification of FaceDiffuser, section 6).
+void fill_sinusoids(torch::Tensor& table) {
+  for (std::int64_t t = 0; t < table.size(0); ++t) {
+    const std::vector<float> row = sinusoid_row(t, table.size(2));
+    std::copy(row.begin(), row.end(), table.data_ptr<float>() + t * table.size(2));
+  }
 }
 
 }  // namespace
@@ -48,8 +52,10 @@ void initialise_as_published(FaceNetwork& network, std::uint64_t seed) {
   for (const auto& e : head.entries) {
     const Rng rng(hash64(e.name, mix64(seed)));
     const bool is_vector = e.name == "obj_vector.weight" || e.name == "emo_vector.weight";
-    if (e.name.starts_with("gru.") || e.name.starts_with("rnn."))
+    if (e.name.starts_with("gru.") || e.name.starts_with("rnn.") || e.name.starts_with("lstm."))
       fill_uniform(*e.slot, 1 / std::sqrt(hidden), rng);
+    else if (is_of_attention(e.name))
+      fill_attention(*e.slot, e.name, rng);
     else if (is_vector)
       fill_uniform(*e.slot, 1 / std::sqrt(static_cast<double>(e.slot->size(1))), rng);
     else if (e.name == "out.weight" || e.name == "out.bias")
@@ -61,7 +67,8 @@ void initialise_as_published(FaceNetwork& network, std::uint64_t seed) {
                    rng);
     weight = e.slot;
   }
-  if (auto* damm = std::get_if<facediffuser::DammDenoiser<torch::Tensor>>(&network.head)) {
+  auto* damm = std::get_if<facediffuser::DammDenoiser<torch::Tensor>>(&network.head);
+  if (damm != nullptr && damm->sizes.is_diffusion()) {
     fill_sinusoids(damm->sinusoids);
     damm->sinusoids_again.copy_(damm->sinusoids);
   }
@@ -70,22 +77,6 @@ void initialise_as_published(FaceNetwork& network, std::uint64_t seed) {
 std::vector<std::string> published_frozen() {
   return {"audio_encoder.feature_extractor", "audio_encoder.feature_projection",
           "audio_encoder.encoder.layers.0", "audio_encoder.encoder.layers.1"};
-}
-
-Result<std::vector<Collect::Entry>> freeze(FaceNetwork& network, const std::vector<std::string>& frozen) {
-  std::vector<Collect::Entry> all = parameters(network), learning;
-  for (const auto& prefix : frozen)
-    if (std::none_of(all.begin(), all.end(), [&](const auto& e) { return is_below(e.name, prefix); }))
-      return Error{Errc::usage, "frozen '" + prefix + "'", "no parameter of the model is called so",
-                   "Names are those that mien inspect lists"};
-  for (auto& e : all) {
-    const bool keeps = std::any_of(frozen.begin(), frozen.end(),
-                                   [&](const std::string& prefix) { return is_below(e.name, prefix); });
-    *e.slot = e.slot->detach().requires_grad_(e.trained && !keeps);
-    if (e.trained && !keeps) learning.push_back(e);
-  }
-  if (learning.empty()) return Error{Errc::usage, "frozen", "nothing is left to learn", ""};
-  return learning;
 }
 
 }  // namespace mien::train

@@ -22,6 +22,10 @@ Tensor motion_of(const FaceSequence& sequence, std::int64_t width, torch::Device
                    device);
 }
 
+Tensor neutral_of(const FaceSequence& sequence, torch::Device device) {
+  return as_tensor(sequence.neutral, {1, 1, static_cast<std::int64_t>(sequence.neutral.size())}, device);
+}
+
 Tensor noise_tensor(std::int64_t num_frames, std::int64_t width, std::uint64_t seed) {
   Tensor noise = torch::empty({1, num_frames, width});
   NoiseField(seed, 1).normal(0, 0, {noise.data_ptr<float>(), static_cast<std::size_t>(noise.numel())});
@@ -119,19 +123,15 @@ Tensor FaceStage::diffuse(const Tensor& x0, const Tensor& noise, std::int64_t st
 }
 
 Tensor FaceStage::predict(const FaceSequence& sequence, const Tensor& speech, const Noisy& noisy,
-                          bool drops) const {
-  const auto between = [&](Tensor h) { return drops ? torch::dropout(h, options_.gru_dropout, true) : h; };
+                          const DecoderPass<Tensor>& pass) const {
   const auto device = options_.device;
-  const auto neutral = [&] {
-    return as_tensor(sequence.neutral, {1, 1, static_cast<std::int64_t>(sequence.neutral.size())}, device);
-  };
+  const auto neutral = [&] { return neutral_of(sequence, device); };
   return std::visit(
       [&](const auto& head) {
         using Head = std::decay_t<decltype(head)>;
         if constexpr (std::is_same_v<Head, facexhubert::Network<Tensor>>) {
-          return head.decode(head.gru(speech, between),
-                             one_hot(sequence.subject, head.sizes.num_subjects, device),
-                             one_hot(sequence.emotion, head.sizes.num_emotions, device), neutral());
+          return head(speech, one_hot(sequence.subject, head.sizes.num_subjects, device),
+                      one_hot(sequence.emotion, head.sizes.num_emotions, device), neutral(), nullptr, pass);
         } else {
           facediffuser::Conditions<Tensor> given;
           given.speech = head.speech_tokens(speech);
@@ -139,7 +139,8 @@ Tensor FaceStage::predict(const FaceSequence& sequence, const Tensor& speech, co
             given.style = head.style(one_hot(sequence.subject, head.sizes.num_subjects, device));
             given.neutral = neutral();
           }
-          return head.predict_x0(noisy.x_t.narrow(1, 0, speech.size(1)), given, noisy.step, between);
+          if (!head.sizes.is_diffusion()) return head.predict_x0({}, given, 0, pass);
+          return head.predict_x0(noisy.x_t.narrow(1, 0, speech.size(1)), given, noisy.step, pass);
         }
       },
       network_.head);
@@ -172,7 +173,13 @@ Result<FaceStage::Estimate> FaceStage::estimate(const FaceSequence& sequence, co
   if (random != nullptr) result.speech = masked(result.speech, *random);
   result.target =
       motion_of(sequence, network_.num_channels(), options_.device).narrow(1, 0, alignment.num_frames);
-  result.motion = predict(sequence, result.speech, noisy, random != nullptr && options_.gru_dropout > 0);
+  DecoderPass<Tensor> pass;
+  if (random != nullptr && options_.decoder_dropout > 0)
+    pass.drop = [this](Tensor h) { return torch::dropout(h, options_.decoder_dropout, /*train=*/true); };
+  const Tensor offsets =
+      sequence.neutral.empty() ? result.target : result.target - neutral_of(sequence, options_.device);
+  if (random != nullptr && options_.teacher_forcing) pass.written = &offsets;
+  result.motion = predict(sequence, result.speech, noisy, pass);
   return result;
 }
 

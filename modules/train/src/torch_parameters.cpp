@@ -50,6 +50,26 @@ void Initialise::buffer(std::string_view, torch::Tensor& slot, const Shape& shap
   slot = torch::zeros(shape);
 }
 
+Result<std::vector<Collect::Entry>> freeze(std::vector<Collect::Entry> all,
+                                           const std::vector<std::string>& frozen) {
+  const auto is_below = [](const std::string& name, const std::string& prefix) {
+    return name == prefix || name.starts_with(prefix + ".");
+  };
+  for (const auto& prefix : frozen)
+    if (std::none_of(all.begin(), all.end(), [&](const auto& e) { return is_below(e.name, prefix); }))
+      return Error{Errc::usage, "frozen '" + prefix + "'", "no parameter of the model is called so",
+                   "Names are those that mien inspect lists"};
+  std::vector<Collect::Entry> learning;
+  for (auto& e : all) {
+    const bool keeps = std::any_of(frozen.begin(), frozen.end(),
+                                   [&](const std::string& prefix) { return is_below(e.name, prefix); });
+    *e.slot = e.slot->detach().requires_grad_(e.trained && !keeps);
+    if (e.trained && !keeps) learning.push_back(e);
+  }
+  if (learning.empty()) return Error{Errc::usage, "frozen", "nothing is left to learn", ""};
+  return learning;
+}
+
 Status load_parameters(const std::vector<Collect::Entry>& entries, const SafetensorsFile& file,
                        std::string_view prefix) {
   std::string problems;

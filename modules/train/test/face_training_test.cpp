@@ -34,10 +34,10 @@ FaceNetwork network_with(FaceNetwork::Head head) {
   return network;
 }
 
-FaceNetwork regression() {
+FaceNetwork regression(const DecoderSizes& decoder = {}) {
   return network_with(facexhubert::Network<torch::Tensor>({.input = 32,
                                                            .hidden = 12,
-                                                           .num_layers = 2,
+                                                           .decoder = decoder,
                                                            .num_subjects = kSubjects,
                                                            .num_emotions = 2,
                                                            .num_channels = kWidth}));
@@ -48,15 +48,22 @@ facediffuser::Sizes diffuser_sizes(facediffuser::Variant variant) {
           .num_channels = kWidth,
           .latent = 12,
           .hidden = 12,
-          .num_layers = 2,
           .num_steps = 20,
           .condition = 32,
           .num_subjects = kSubjects};
 }
 
-FaceNetwork vertex_diffusion() {
-  return network_with(
-      facediffuser::VertexDenoiser<torch::Tensor>(diffuser_sizes(facediffuser::Variant::vertices)));
+struct VertexForm {
+  DecoderSizes decoder = {};
+  facediffuser::NoiseEncoder noise_encoder = facediffuser::NoiseEncoder::conv_max;
+  bool has_diffusion = true;
+};
+FaceNetwork vertex_diffusion(const VertexForm& form = {}) {
+  facediffuser::Sizes sizes = diffuser_sizes(facediffuser::Variant::vertices);
+  sizes.decoder = form.decoder;
+  sizes.noise_encoder = form.noise_encoder;
+  if (!form.has_diffusion) sizes.num_steps = 0;
+  return network_with(facediffuser::VertexDenoiser<torch::Tensor>(sizes));
 }
 
 // A tone that comes and goes; the face follows its loudness.
@@ -90,7 +97,7 @@ FaceTrainingOptions without_randomness() {
           .encoder_dropout = false,
           .layer_drop = false,
           .spec_augment = false,
-          .gru_dropout = 0};
+          .decoder_dropout = 0};
 }
 
 class FaceTraining : public testing::Test {
@@ -109,7 +116,7 @@ class FaceTraining : public testing::Test {
     std::vector<double> out;
     for (const bool first : {true, false}) {
       if (first && stop_after == 0) continue;
-      const auto learning = freeze(network, frozen);
+      const auto learning = freeze(parameters(network), frozen);
       EXPECT_TRUE(learning);
       FaceStage stage(network, recordings(3), options);
       Progress progress;
@@ -141,6 +148,51 @@ TEST_F(FaceTraining, DiffusionIsLearnt) {
   FaceNetwork network = vertex_diffusion();
   const auto l = losses(network, without_randomness(), 120, 0, "diffusion");
   EXPECT_LT(mean(std::span(l).last(30)), 0.5 * mean(std::span(l).first(30)));
+}
+
+// The papers' other decoders, FaceDiffuser's other noise encoders, and no diffusion.
+TEST_F(FaceTraining, EveryAblationIsLearnt) {
+  const auto learns = [&](FaceNetwork network, const std::string& name, bool teacher_forcing = false) {
+    FaceTrainingOptions options = without_randomness();
+    options.teacher_forcing = teacher_forcing;
+    const auto l = losses(network, options, 100, 0, name);
+    EXPECT_LT(mean(std::span(l).last(20)), 0.7 * mean(std::span(l).first(20))) << name;
+  };
+  for (const DecoderKind kind : {DecoderKind::rnn, DecoderKind::lstm, DecoderKind::transformer}) {
+    const DecoderSizes decoder{
+        .kind = kind, .num_layers = kind == DecoderKind::transformer ? 1 : 2, .heads = 2};
+    const std::string name(decoder_kind_name(kind));
+    learns(regression(decoder), name + " regression");
+    learns(vertex_diffusion({.decoder = decoder}), name + " diffusion");
+  }
+  learns(regression({.kind = DecoderKind::transformer, .num_layers = 1, .heads = 2}), "forced", true);
+  using facediffuser::NoiseEncoder;
+  for (const NoiseEncoder kind : {NoiseEncoder::conv_average, NoiseEncoder::mlp})
+    learns(vertex_diffusion({.noise_encoder = kind}), std::string(noise_encoder_name(kind)));
+  learns(vertex_diffusion({.has_diffusion = false}), "vertices without diffusion");
+  auto rig = diffuser_sizes(facediffuser::Variant::beat);
+  rig.num_steps = 0;
+  learns(network_with(facediffuser::BeatDenoiser<torch::Tensor>(rig)), "B-BEAT without diffusion");
+  rig.variant = facediffuser::Variant::damm;
+  learns(network_with(facediffuser::DammDenoiser<torch::Tensor>(rig)), "B-DAMM without diffusion");
+}
+
+// Teacher forcing reads the recording, so what was written does not follow from the sound alone; validation
+// never does.
+TEST_F(FaceTraining, TeacherForcingReadsTheRecordingInTrainingAlone) {
+  FaceNetwork network = regression({.kind = DecoderKind::transformer, .num_layers = 1, .heads = 2});
+  std::get<facexhubert::Network<torch::Tensor>>(network.head).out.weight.detach().fill_(0.1);
+  ASSERT_TRUE(freeze(parameters(network), published_frozen()));
+  FaceTrainingOptions options = without_randomness();
+  options.teacher_forcing = true;
+  FaceStage stage(network, recordings(1), options);
+  const torch::NoGradGuard no_grad;
+  FaceSequence one = recording(0), other = recording(0);
+  for (float& v : other.motion) v += 0.5f;
+  Rng rng(1);
+  const auto made = [&](const FaceSequence& s, Rng* random) { return stage.estimate(s, {}, random)->motion; };
+  EXPECT_FALSE(torch::equal(made(one, &rng), made(other, &rng)));
+  EXPECT_TRUE(torch::equal(made(one, nullptr), made(other, nullptr)));
 }
 
 // Everything random is on: what a step draws must follow from the step alone.
@@ -177,16 +229,16 @@ TEST_F(FaceTraining, FrozenParametersStayAndTheOthersMove) {
 
 TEST_F(FaceTraining, RefusesToFreezeNothingOrEverything) {
   FaceNetwork network = regression();
-  const auto unknown = freeze(network, {"audio_encoder.layers.0"});
+  const auto unknown = freeze(parameters(network), {"audio_encoder.layers.0"});
   ASSERT_FALSE(unknown);
   EXPECT_NE(unknown.error().message().find("audio_encoder.layers.0"), std::string::npos);
-  EXPECT_FALSE(freeze(network, {"audio_encoder", "gru", "obj_vector", "emo_vector", "fc"}));
-  EXPECT_EQ(freeze(network, {"audio_encoder"})->size(), 8u + 4u);
+  EXPECT_FALSE(freeze(parameters(network), {"audio_encoder", "gru", "obj_vector", "emo_vector", "fc"}));
+  EXPECT_EQ(freeze(parameters(network), {"audio_encoder"})->size(), 8u + 4u);
 }
 
 TEST_F(FaceTraining, AnEpochVisitsEverySequenceOnce) {
   FaceNetwork network = regression();
-  ASSERT_TRUE(freeze(network, published_frozen()));
+  ASSERT_TRUE(freeze(parameters(network), published_frozen()));
   std::vector<std::string> visited;
   FaceStage stage(network, recordings(7, &visited), without_randomness());
   const torch::NoGradGuard no_grad;
@@ -254,7 +306,7 @@ TEST_F(FaceTraining, StartsAsThePublishedProgramsDo) {
   auto& v = std::get<facediffuser::VertexDenoiser<torch::Tensor>>(mesh.head);
   EXPECT_EQ(v.out.weight.abs().max().item<float>(), 0);
   EXPECT_EQ(v.out.bias.abs().max().item<float>(), 0);
-  EXPECT_NEAR(v.gru.layers[0].b_hh.abs().max().item<double>(), 1 / std::sqrt(12.0), 0.05);
+  EXPECT_NEAR(v.decoder.gru().layers[0].b_hh.abs().max().item<double>(), 1 / std::sqrt(12.0), 0.05);
   EXPECT_NEAR(v.speech.bias.abs().max().item<double>(), 1 / std::sqrt(32.0), 0.05);
   EXPECT_NEAR(v.styles.table.abs().max().item<double>(), 1 / std::sqrt(2.0), 0.15);
 

@@ -7,90 +7,20 @@
 #include "mien/base/random.h"
 #include "mien/datasets/templates.h"
 #include "mien/io/npy.h"
+#include "mien/models/face_model.h"
 #include "mien/models/facediffuser/network.h"
 #include "mien/models/facexhubert/network.h"
 #include "mien/models/model_file.h"
 #include "mien/models/speech_encoder/network.h"
 #include "mien/nn/plain_weights.h"
 #include "running_program.h"
+#include "small_encoder.h"
 #include "test_folder.h"
 
 namespace mien {
 namespace {
 
 namespace fs = std::filesystem;
-
-EncoderConfig small_encoder() {
-  EncoderConfig c;
-  c.hidden_size = 16;
-  c.num_hidden_layers = 3;
-  c.num_attention_heads = 2;
-  c.intermediate_size = 24;
-  c.conv_dim.assign(7, 8);
-  c.num_conv_pos_embeddings = 8;
-  c.num_conv_pos_embedding_groups = 4;
-  return c;
-}
-
-struct ListShapes : ParameterVisitor<ListShapes> {
-  void matrix(std::string_view name, PlainWeights&, std::int64_t out, std::int64_t in, Init) {
-    tensors.push_back({full_name(name), Dtype::f32, {out, in}});
-  }
-  void convolution(std::string_view name, PlainWeights&, std::int64_t out, std::int64_t in,
-                   std::int64_t kernel, Init) {
-    tensors.push_back({full_name(name), Dtype::f32, {out, in, kernel}});
-  }
-  void tensor(std::string_view name, PlainWeights&, const Shape& shape, Init) {
-    tensors.push_back({full_name(name), Dtype::f32, shape});
-  }
-  std::vector<StoredTensor> tensors;
-};
-
-void write_encoder(const fs::path& path) {
-  SpeechEncoder<PlainWeights> encoder(small_encoder());
-  ListShapes list;
-  list.scope("audio_encoder", encoder);
-  ModelFile description;
-  description.architecture = Architecture::speech_encoder;
-  description.name = "small";
-  description.encoder = small_encoder();
-  auto writer = SafetensorsWriter::create(path, list.tensors, to_metadata(description));
-  ASSERT_TRUE(writer);
-  Rng rng(5);
-  for (const auto& t : list.tensors) {
-    std::vector<float> values(static_cast<std::size_t>(t.count()));
-    for (float& v : values) v = static_cast<float>(rng.normal(t.shape.size() == 1 ? 0.5 : 0, 0.2));
-    ASSERT_TRUE(writer->write_float(t.name, values));
-  }
-  ASSERT_TRUE(writer->finish());
-}
-
-// 16-bit PCM, mono, 16 kHz.
-void write_wav(const fs::path& path, int num_samples) {
-  Bytes bytes;
-  const auto text = [&](std::string_view t) {
-    const auto b = as_bytes(t);
-    bytes.insert(bytes.end(), b.begin(), b.end());
-  };
-  const auto data_size = static_cast<std::uint32_t>(2 * num_samples);
-  text("RIFF");
-  append_le<std::uint32_t>(bytes, 36 + data_size);
-  text("WAVEfmt ");
-  append_le<std::uint32_t>(bytes, 16);
-  append_le<std::uint16_t>(bytes, 1);
-  append_le<std::uint16_t>(bytes, 1);
-  append_le<std::uint32_t>(bytes, 16000);
-  append_le<std::uint32_t>(bytes, 32000);
-  append_le<std::uint16_t>(bytes, 2);
-  append_le<std::uint16_t>(bytes, 16);
-  text("data");
-  append_le<std::uint32_t>(bytes, data_size);
-  for (int i = 0; i < num_samples; ++i)
-    append_le<std::int16_t>(bytes,
-                            static_cast<std::int16_t>(8000 * std::sin(0.1 * i) * std::sin(0.0007 * i)));
-  fs::create_directories(path.parent_path());
-  ASSERT_TRUE(write_file(path, std::span<const std::byte>(bytes)));
-}
 
 struct DataCase {
   std::string system, layout;
@@ -215,6 +145,37 @@ TEST_F(FaceProgram, MakesAModelOfEveryDataSet) {
   }
 }
 
+// Each trains from a field of the configuration, and what comes out moves a face.
+TEST_F(FaceProgram, MakesAblationsThatAnimate) {
+  AudioClip clip{std::vector<float>(12000), 16000};
+  for (std::size_t i = 0; i < clip.samples.size(); ++i)
+    clip.samples[i] = 0.3f * std::sin(0.1f * static_cast<float>(i));
+  const auto trains = [&](const DataCase& c, const std::string& model, const std::string& training = "") {
+    SCOPED_TRACE(c.system + " " + model);
+    for (const char* old : {"work", "model.safetensors"}) fs::remove_all(folder_ / old);
+    DataCase changed = c;
+    changed.model += model;
+    write_config(changed, training);
+    ASSERT_EQ(train({"config.toml"}), 0) << said_;
+    const auto loaded = FaceModel::load(folder_ / "model.safetensors");
+    ASSERT_TRUE(loaded) << loaded.error().message();
+    Progress progress;
+    const auto takes = animate(*loaded, clip, {}, 1, 1, progress);
+    ASSERT_TRUE(takes) << takes.error().message();
+    EXPECT_GT(takes->front().num_frames(), 5);
+    for (const float v : takes->front().values) EXPECT_TRUE(std::isfinite(v));
+  };
+  write_data(folder_ / "data", kBiwi);
+  trains(kBiwi, "decoder = \"lstm\"\n");
+  trains(kBiwi, "decoder = \"transformer\"\nheads = 2\n", "teacher_forcing = true\n");
+  fs::remove_all(folder_ / "data");
+  const DataCase& multiface = kCases[2];
+  write_data(folder_ / "data", multiface);
+  trains(multiface, "decoder = \"rnn\"\nnoise_encoder = \"mlp\"\n");
+  trains(multiface, "decoder = \"transformer\"\nnoise_encoder = \"conv_average\"\n");
+  trains(multiface, "diffusion = false\n");
+}
+
 TEST_F(FaceProgram, LearnsWhatIsNotFrozenAndGoesOnWhereItStopped) {
   write_data(folder_ / "data", kBiwi);
   write_config(kBiwi);
@@ -247,6 +208,12 @@ TEST_F(FaceProgram, NamesWhatIsWrong) {
   fails(2, "audio_encoder.layers");
   write_config(kBiwi, "[random]\nmask = \"half\"\n");
   fails(2, "half");
+  write_config(kBiwi, "teacher_forcing = true\n");
+  fails(2, "teacher_forcing");
+  DataCase decoder = kBiwi;
+  decoder.model += "decoder = \"perceptron\"\n";
+  write_config(decoder);
+  fails(2, "perceptron");
   write_config(kBiwi, "epoches = 3\n");
   fails(2, "epoches");
   DataCase other = kBiwi;

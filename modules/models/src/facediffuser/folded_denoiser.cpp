@@ -22,7 +22,7 @@ struct Part {
 template <class Network>
 FoldedDenoiser fold_recurrence(const std::shared_ptr<const Network>& network, const LayerNorm<Tensor>* norm,
                                Part speech, Part noise, Part time) {
-  const GruLayer<Tensor>& first = network->gru.layers.front();
+  const GruLayer<Tensor>& first = network->decoder.gru().layers.front();
   const Tensor w = first.w_ih.unpacked();
   const Tensor gamma = norm != nullptr ? norm->gamma : Tensor();
   FoldedDenoiser f;
@@ -30,7 +30,7 @@ FoldedDenoiser fold_recurrence(const std::shared_ptr<const Network>& network, co
   f.hidden = network->sizes.hidden;
   f.token_width = first.in;
   f.is_normalised = norm != nullptr;
-  f.layers = network->gru.layers;
+  f.layers = network->decoder.gru().layers;
   f.speech_gates = scaled_columns(w, speech.first, speech.width, gamma);
   f.noise_gates = scaled_columns(w, noise.first, noise.width, gamma);
   f.time_gates = scaled_columns(w, time.first, time.width, gamma);
@@ -64,11 +64,11 @@ FoldedDenoiser fold(std::shared_ptr<const VertexDenoiser<Tensor>> network, int n
       fold_recurrence(network, &network->norm, {0, s.latent}, {s.latent, s.latent}, {2 * s.latent, s.latent});
   f.state_width = 2 * s.latent;
   f.to_state = [network, num_threads](const Tensor& rows) {
-    return convolve_columns(linear(rows, network->noise_in.weight, {}, num_threads),
-                            network->noise_filter.taps, Tensor({1}));
+    return convolve_columns(linear(rows, network->noise.map.weight, {}, num_threads),
+                            network->noise.filter.taps, Tensor({1}));
   };
   f.state_bias =
-      network->noise_filter(network->noise_in(Tensor({1, s.num_channels}))).reshaped({f.state_width});
+      network->noise.filter(network->noise.map(Tensor({1, s.num_channels}))).reshaped({f.state_width});
   // M = A W_out, from the columns of W_out as rows, some at a time: a mesh is wide.
   constexpr std::int64_t kRows = 64;
   Tensor m_transposed = Tensor::uninitialized({s.hidden, f.state_width});
@@ -86,7 +86,7 @@ FoldedDenoiser fold(std::shared_ptr<const VertexDenoiser<Tensor>> network, int n
     f.noise_map = PackedMatrix(transposed(f.to_state(unit)));
   } else {
     f.noise_map =
-        PackedMatrix(gaussian_factor(network->noise_in.weight, network->noise_filter.taps, num_threads));
+        PackedMatrix(gaussian_factor(network->noise.map.weight, network->noise.filter.taps, num_threads));
   }
   f.noise_width = f.noise_map.num_inputs();
   return f;

@@ -14,17 +14,19 @@ Result<Sizes> sizes_of(const std::map<std::string, Shape>& shapes) {
   };
   const auto columns = [&](const char* name) { return size(name, 1); };
   Sizes s;
-  s.input = columns("gru.weight_ih_l0");
-  s.hidden = columns("gru.weight_hh_l0");
-  s.num_layers = 0;
-  while (shapes.contains("gru.weight_ih_l" + std::to_string(s.num_layers))) ++s.num_layers;
+  const auto decoder = stored_decoder(shapes);
+  if (decoder) {
+    s.input = decoder->input;
+    s.hidden = decoder->hidden;
+    s.decoder = decoder->sizes;
+  }
   s.num_subjects = columns("obj_vector.weight");
   s.num_emotions = columns("emo_vector.weight");
   s.num_channels = size("fc.weight", 0);
-  if (s.input <= 0 || s.hidden <= 0 || s.num_layers <= 0 || s.num_subjects <= 0 || s.num_emotions <= 0 ||
+  if (!decoder || s.input <= 0 || s.hidden <= 0 || s.num_subjects <= 0 || s.num_emotions <= 0 ||
       s.num_channels <= 0)
     return Error{Errc::incompatible, "weights", "are not those of FaceXHuBERT",
-                 "Expected are gru, fc, obj_vector and emo_vector"};
+                 "Expected are gru (or rnn, lstm, transformer), fc, obj_vector and emo_vector"};
   return s;
 }
 

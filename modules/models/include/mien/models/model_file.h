@@ -65,7 +65,10 @@ struct ModelFile {
   std::optional<EncoderConfig> encoder;
   std::optional<ModelDiffusion> diffusion;
   std::optional<ModelScaler> scaler;
-  std::map<std::string, std::int64_t> sizes;  ///< of layers that shapes do not tell (default model)
+  /// Of layers that shapes do not tell: the default model's; "decoder_heads" of a transformer decoder.
+  std::map<std::string, std::int64_t> sizes;
+  std::string noise_encoder =
+      {};  ///< of V-FaceDiffuser where it is not the published one: "conv_average", "mlp"
   std::optional<std::int64_t> look_ahead_mel_frames;
   std::optional<double> look_ahead_ms;  ///< of models that stream
   std::vector<std::string> styles;      ///< of the default model

@@ -1,8 +1,5 @@
 #pragma once
 #include <cstdint>
-#include <string>
-#include <type_traits>
-#include <vector>
 
 #include "mien/nn/operations.h"
 #include "mien/nn/parameters.h"
@@ -76,68 +73,6 @@ struct LayerNorm {
     v.tensor("bias", beta, Shape{width}, Init::zero);
   }
   T operator()(const T& x) const { return Operations<T>::layer_norm(x, gamma, beta, eps); }
-};
-
-/// One layer of a gated recurrent unit, gate order reset, update, new (as in PyTorch).
-template <class T>
-struct GruLayer {
-  std::int64_t in = 0, hidden = 0;
-  std::string suffix{};  ///< of the parameter names: "_l0" in a Gru of several layers
-  typename Operations<T>::Matrix w_ih{}, w_hh{};
-  T b_ih{}, b_hh{};
-
-  template <class V>
-  void visit(V& v) {
-    v.matrix("weight_ih" + suffix, w_ih, 3 * hidden, in, Init::fan_in);
-    v.matrix("weight_hh" + suffix, w_hh, 3 * hidden, hidden, Init::fan_in);
-    v.tensor("bias_ih" + suffix, b_ih, Shape{3 * hidden}, Init::zero);
-    v.tensor("bias_hh" + suffix, b_hh, Shape{3 * hidden}, Init::zero);
-  }
-
-  /// x [.., N, in], state [.., 1, hidden] (updated) -> [.., N, hidden].
-  T operator()(const T& x, T& state) const { return Operations<T>::gru(x, state, w_ih, w_hh, b_ih, b_hh); }
-};
-
-/// GRU layers one on the other, with PyTorch's names: weight_ih_l0, weight_ih_l1 ...
-template <class T>
-struct Gru {
-  std::int64_t in = 0, hidden = 0;
-  std::vector<GruLayer<T>> layers;
-
-  Gru(std::int64_t inputs, std::int64_t width, std::int64_t num_layers) : in(inputs), hidden(width) {
-    for (std::int64_t i = 0; i < num_layers; ++i)
-      layers.push_back({i == 0 ? inputs : width, width, "_l" + std::to_string(i)});
-  }
-  template <class V>
-  void visit(V& v) {
-    for (auto& layer : layers) layer.visit(v);
-  }
-
-  /// x [.., N, in] -> [.., N, hidden]. `states`: what the layers remember, [.., 1, hidden] each (updated);
-  /// empty at the start, when they are zeros. `between` changes what each layer but the last gives to the
-  /// next (dropout in training).
-  template <class Between>
-  T operator()(T x, std::vector<T>& states, Between&& between) const {
-    using B = Operations<T>;
-    for (std::size_t i = 0; i < layers.size(); ++i) {
-      if (states.size() <= i) states.push_back(B::zero_rows(x, 1, hidden));
-      x = layers[i](x, states[i]);
-      if (i + 1 < layers.size()) x = between(std::move(x));
-    }
-    return x;
-  }
-  T operator()(const T& x, std::vector<T>& states) const {
-    return (*this)(x, states, [](T y) { return y; });
-  }
-  template <class Between>
-  requires std::is_invocable_r_v<T, Between, T> T operator()(const T& x, Between&& between) const {
-    std::vector<T> states;
-    return (*this)(x, states, between);
-  }
-  T operator()(const T& x) const {
-    std::vector<T> states;
-    return (*this)(x, states);
-  }
 };
 
 /// A table of rows chosen by weights: one-hot weights give the usual lookup, intensities scale an entry.

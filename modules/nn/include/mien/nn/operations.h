@@ -31,7 +31,7 @@ namespace mien {
 ///   1,
 ///                                      hidden] (updated) -> [.., N, hidden]
 ///   convolve_columns(x, taps, bias)    along the channel axis, zeros outside; taps [1, 1, odd], bias [1]
-///   max_pool_pairs(x)                  [.., N, 2 D] -> [.., N, D]
+///   max_pool_pairs(x) mean_pool_pairs(x)  of neighbouring channels: [.., N, 2 D] -> [.., N, D]
 ///   group_rows(x, factor)              [.., N factor, D] -> [.., N, factor D]
 ///   interpolate_rows(x, positions)     linear in time between neighbouring rows -> [.., positions, D]
 ///   one_hot(x, index, width)           a row [.., 1, width] for the batch of x: one at index, else zero

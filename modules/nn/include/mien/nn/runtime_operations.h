@@ -49,6 +49,7 @@ struct Operations<Tensor> {
     return mien::convolve_columns(x, taps, bias);
   }
   static Tensor max_pool_pairs(const Tensor& x) { return mien::max_pool_pairs(x); }
+  static Tensor mean_pool_pairs(const Tensor& x) { return mien::mean_pool_pairs(x); }
   static Tensor group_rows(const Tensor& x, std::int64_t factor) { return mien::group_rows(x, factor); }
   static Tensor interpolate_rows(const Tensor& x, std::span<const double> positions) {
     return mien::interpolate_rows(x, positions);

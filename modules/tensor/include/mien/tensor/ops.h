@@ -131,6 +131,8 @@ Tensor group_rows(const Tensor& x, std::int64_t factor);
 Tensor convolve_columns(const Tensor& x, const Tensor& taps, const Tensor& bias);
 /// The larger of each two neighbouring values: x [..., 2 D] -> [..., D].
 Tensor max_pool_pairs(const Tensor& x);
+/// The mean of each two neighbouring values.
+Tensor mean_pool_pairs(const Tensor& x);
 
 /// table [V, D] -> [indices.size(), D]. @pre 0 <= index < V
 Tensor embedding_rows(const Tensor& table, std::span<const std::int64_t> indices);

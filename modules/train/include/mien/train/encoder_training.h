@@ -1,10 +1,15 @@
 #pragma once
 #include <torch/torch.h>
 
+#include "mien/io/safetensors.h"
 #include "mien/models/speech_encoder/network.h"
 #include "mien/train/torch_operations.h"
 
 namespace mien::train {
+
+/// Fills an encoder from a model file; masked_spec_embed keeps its start where the file has none. Errors
+/// (Errc::incompatible): other sizes, missing and unknown tensors.
+Status load_encoder(SpeechEncoder<torch::Tensor>& encoder, const SafetensorsFile& file);
 
 /// What a training pass does inside the encoder: dropout where the configuration has it. Draws from
 /// LibTorch's generator, which the caller seeds for every step.

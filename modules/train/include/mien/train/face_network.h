@@ -27,7 +27,14 @@ struct FaceNetwork {
     v.scope("audio_encoder", encoder);
     std::visit([&](auto& h) { h.visit(v); }, head);
   }
-  [[nodiscard]] bool is_diffusion() const { return head.index() != 0; }
+  [[nodiscard]] bool is_diffusion() const {
+    return std::visit(
+        [](const auto& h) {
+          if constexpr (requires { h.sizes.is_diffusion(); }) return h.sizes.is_diffusion();
+          return false;
+        },
+        head);
+  }
   [[nodiscard]] std::int64_t num_channels() const {
     return std::visit([](const auto& h) { return h.sizes.num_channels; }, head);
   }
@@ -39,10 +46,5 @@ void initialise_as_published(FaceNetwork& network, std::uint64_t seed);
 
 /// What the published programs keep as it was: the convolutions, the projection, the first two layers.
 std::vector<std::string> published_frozen();
-
-/// Freezes the parameters whose names begin with one of `frozen` ("audio_encoder.encoder.layers.0", or all of
-/// "audio_encoder"), and returns the others, which learn. Error (Errc::usage): nothing is called so, nothing
-/// is left to learn.
-Result<std::vector<Collect::Entry>> freeze(FaceNetwork& network, const std::vector<std::string>& frozen);
 
 }  // namespace mien::train

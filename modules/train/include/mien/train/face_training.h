@@ -33,11 +33,14 @@ struct FaceTrainingOptions {
   MotionLoss loss = MotionLoss::huber;
   BetaSchedule schedule = BetaSchedule::cosine;
   std::int64_t diffusion_steps = 500;  ///< T; FaceXHuBERT has none
+  /// A transformer reads the recorded frames as what it wrote (teacher forcing), not its own. Training only:
+  /// in validation, as when it runs, it reads its own.
+  bool teacher_forcing = false;
   // Randomness, all absent in evaluation.
   bool encoder_dropout = true;  ///< with the probabilities of the encoder's configuration
   bool layer_drop = true;
   bool spec_augment = true;
-  double gru_dropout = 0.3;  ///< between the layers of the GRU
+  double decoder_dropout = 0.3;  ///< between recurrent layers, or in a transformer's
   AudioMask mask = AudioMask::none;
   double mask_share = 0.25;
   /// Keep what the encoder's front makes of each clip, when the front is frozen: nothing random comes before
@@ -83,7 +86,7 @@ class FaceStage {
   [[nodiscard]] torch::Tensor encode(const torch::Tensor& projected, Rng* random) const;
   [[nodiscard]] torch::Tensor masked(const torch::Tensor& speech, Rng& random) const;
   [[nodiscard]] torch::Tensor predict(const FaceSequence& sequence, const torch::Tensor& speech,
-                                      const Noisy& noisy, bool drops) const;
+                                      const Noisy& noisy, const DecoderPass<torch::Tensor>& pass) const;
   [[nodiscard]] Result<Alignment> align(const FaceSequence& sequence) const;
   Result<torch::Tensor> drawn_loss(FaceSequences::Split split, std::size_t index, std::uint64_t seed);
 

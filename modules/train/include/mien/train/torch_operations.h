@@ -98,6 +98,12 @@ struct Operations<torch::Tensor> {
     shape.back() /= 2;
     return torch::max_pool1d(x.reshape({-1, 1, x.size(-1)}), 2).reshape(shape);
   }
+  static T mean_pool_pairs(const T& x) {
+    auto shape = x.sizes().vec();
+    shape.back() /= 2;
+    shape.push_back(2);
+    return x.reshape(shape).mean(-1);
+  }
   static T group_rows(const T& x, std::int64_t factor) {
     auto shape = x.sizes().vec();
     shape[shape.size() - 2] /= factor;

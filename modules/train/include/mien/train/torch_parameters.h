@@ -58,6 +58,12 @@ std::vector<Collect::Entry> parameters(Network& network) {
   return std::move(collect.entries);
 }
 
+/// Freezes the parameters whose names begin with one of `frozen` ("audio_encoder.encoder.layers.0", or all of
+/// "audio_encoder"), and returns the others, which learn. Error (Errc::usage): nothing is called so, nothing
+/// is left to learn.
+Result<std::vector<Collect::Entry>> freeze(std::vector<Collect::Entry> all,
+                                           const std::vector<std::string>& frozen);
+
 /// Copies the values of `file` into the network. Strict: missing tensors, wrong shapes and extra tensors
 /// whose names begin with `prefix` are all listed.
 Status load_parameters(const std::vector<Collect::Entry>& entries, const SafetensorsFile& file,

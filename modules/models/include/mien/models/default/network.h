@@ -5,6 +5,7 @@
 
 #include "mien/models/default/face_space.h"
 #include "mien/nn/causal.h"
+#include "mien/nn/recurrent.h"
 
 namespace mien::default_model {
 

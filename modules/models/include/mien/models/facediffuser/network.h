@@ -6,6 +6,7 @@
 
 #include "mien/base/result.h"
 #include "mien/io/safetensors.h"
+#include "mien/models/face_decoder.h"
 #include "mien/nn/layers.h"
 
 // The denoisers of FaceDiffuser behind the speech encoder: estimates of the clean animation x0 [N, D] from
@@ -19,19 +20,35 @@ enum class Variant {
   damm,      ///< B-DAMM: rig controls
 };
 
+/// What makes a token of the noisy mesh (V only; thesis, section 8.3). All begin with a map D -> 2 L.
+enum class NoiseEncoder {
+  conv_max,      ///< a filter along the 2 L numbers, the larger of each pair: as published
+  conv_average,  ///< the mean of each pair
+  mlp,           ///< a second map, 2 L -> L
+};
+std::optional<NoiseEncoder> parse_noise_encoder(std::string_view name);  ///< "conv_max" ...
+std::string_view noise_encoder_name(NoiseEncoder kind);
+
 struct Sizes {
   Variant variant = Variant::vertices;
   std::int64_t num_channels = 0;  ///< D
   std::int64_t latent = 0;        ///< L, of the tokens
-  std::int64_t hidden = 0;        ///< of the GRU; L for V and DAMM
-  std::int64_t num_layers = 2;    ///< of the GRU
-  std::int64_t num_steps = 0;     ///< entries of the time table: T, or 5000 for DAMM
+  std::int64_t hidden = 0;        ///< of the decoder; L for V and DAMM
+  DecoderSizes decoder = {};
+  /// Entries of the time table: T, or 5000 for DAMM. 0: the ablation without diffusion, which reads nothing
+  /// but speech (thesis, section 8.4).
+  std::int64_t num_steps = 0;
   std::int64_t condition = 1536;  ///< H
   std::int64_t num_subjects = 0;  ///< V only
   std::int64_t num_taps = 9;      ///< V only: of the filter along the latent axis
+  NoiseEncoder noise_encoder = NoiseEncoder::conv_max;
+
+  [[nodiscard]] bool is_diffusion() const { return num_steps > 0; }
 };
 
-/// Read from names and shapes of the stored tensors. Errors (Errc::incompatible): weights of no variant.
+/// Read from names and shapes of the stored tensors. They do not tell the mean of pairs from their larger
+/// number, nor the heads of a transformer: those stay as by default. Errors (Errc::incompatible): weights of
+/// no variant.
 Result<Sizes> sizes_of(const std::map<std::string, Shape>& shapes);
 Result<Sizes> sizes_of(const SafetensorsFile& file);
 
@@ -56,6 +73,31 @@ struct ChannelFilter {
   T operator()(const T& x) const { return Operations<T>::convolve_columns(x, taps, bias); }
 };
 
+/// Noisy meshes as tokens, frame by frame: [.., N, D] -> [.., N, L].
+template <class T>
+struct VertexNoiseEncoder {
+  NoiseEncoder kind = NoiseEncoder::conv_max;
+  std::int64_t num_channels = 0, latent = 0, num_taps = 9;
+  Linear<T> map{num_channels, 2 * latent};
+  ChannelFilter<T> filter{num_taps};     // of the convolutions
+  Linear<T> second{2 * latent, latent};  // of the MLP
+
+  template <class V>
+  void visit(V& v) {
+    v.scope("0", map);
+    if (kind == NoiseEncoder::mlp)
+      v.scope("1", second);
+    else
+      v.scope("1", filter);
+  }
+  T operator()(const T& x_t) const {
+    using B = Operations<T>;
+    if (kind == NoiseEncoder::mlp) return B::relu(second(B::relu(map(x_t))));
+    const T filtered = B::relu(filter(map(x_t)));
+    return kind == NoiseEncoder::conv_max ? B::max_pool_pairs(filtered) : B::mean_pool_pairs(filtered);
+  }
+};
+
 /// Token of a step from one-hot numbers: mish of a column of the weights.
 template <class T>
 T one_hot_time(const Linear<T>& time, const T& like, std::int64_t step) {
@@ -73,24 +115,22 @@ T repeated(const T& row, const T& x, std::int64_t width) {
 template <class T>
 struct VertexDenoiser {
   Sizes sizes;
-  Linear<T> noise_in{sizes.num_channels, 2 * sizes.latent};
-  ChannelFilter<T> noise_filter{sizes.num_taps};
+  VertexNoiseEncoder<T> noise{sizes.noise_encoder, sizes.num_channels, sizes.latent, sizes.num_taps};
   Linear<T> speech{sizes.condition, sizes.latent};
   Linear<T> time{sizes.num_steps, sizes.latent};
-  LayerNorm<T> norm{3 * sizes.latent};
-  Gru<T> gru{3 * sizes.latent, sizes.hidden, sizes.num_layers};
+  LayerNorm<T> norm{(sizes.is_diffusion() ? 3 : 1) * sizes.latent};
+  FaceDecoder<T> decoder{sizes.decoder, norm.width, sizes.hidden, sizes.num_channels};
   Linear<T> out{sizes.hidden, sizes.num_channels, Init::zero};
   WeightedEmbedding<T> styles{sizes.num_subjects, sizes.latent};
 
   explicit VertexDenoiser(const Sizes& s) : sizes(s) {}
   template <class V>
   void visit(V& v) {
-    v.scope("input_projection.0", noise_in);
-    v.scope("input_projection.1", noise_filter);
+    if (sizes.is_diffusion()) v.scope("input_projection", noise);
     v.scope("cond_projection", speech);
-    v.scope("time_mlp.0", time);
+    if (sizes.is_diffusion()) v.scope("time_mlp.0", time);
     v.scope("norm_cond", norm);
-    v.scope("gru", gru);
+    decoder.visit_as("gru", v);
     v.scope("final_layer", out);
     v.scope("obj_vector", styles);
   }
@@ -100,25 +140,19 @@ struct VertexDenoiser {
   T time_token(const T& like, std::int64_t step) const { return one_hot_time(time, like, step); }
   /// Weights of subjects [.., 1, S], one-hot as published -> [.., 1, L].
   T style(const T& weights) const { return styles(weights); }
-  /// [.., N, D] -> [.., N, L], frame by frame.
-  T noise_tokens(const T& x_t) const {
-    using B = Operations<T>;
-    return B::max_pool_pairs(B::relu(noise_filter(noise_in(x_t))));
-  }
-  /// Input of the GRU, [.., N, 3 L].
+  /// Input of the decoder, [.., N, 3 L]; without diffusion [.., N, L], of speech alone.
   T tokens(const T& x_t, const Conditions<T>& given, std::int64_t step) const {
     using B = Operations<T>;
-    return norm(B::concat_columns(
-        {given.speech, noise_tokens(x_t), repeated(time_token(x_t, step), x_t, sizes.latent)}));
+    if (!sizes.is_diffusion()) return norm(given.speech);
+    return norm(
+        B::concat_columns({given.speech, noise(x_t), repeated(time_token(x_t, step), x_t, sizes.latent)}));
   }
-  /// `between` acts between the layers of the GRU (dropout in training).
-  template <class Between>
-  T predict_x0(const T& x_t, const Conditions<T>& given, std::int64_t step, Between&& between) const {
+  /// Without diffusion x_t and step are not read.
+  T predict_x0(const T& x_t, const Conditions<T>& given, std::int64_t step,
+               const DecoderPass<T>& pass = {}) const {
     using B = Operations<T>;
-    return B::add(out(B::mul(gru(tokens(x_t, given, step), between), given.style)), given.neutral);
-  }
-  T predict_x0(const T& x_t, const Conditions<T>& given, std::int64_t step) const {
-    return predict_x0(x_t, given, step, [](T y) { return y; });
+    const auto offsets = [&](const T& h) { return out(B::mul(h, given.style)); };
+    return B::add(decoder(tokens(x_t, given, step), offsets, pass), given.neutral);
   }
 };
 
@@ -126,16 +160,16 @@ template <class T>
 struct BeatDenoiser {
   Sizes sizes;
   Linear<T> time{sizes.num_steps, sizes.latent};
-  LayerNorm<T> norm{sizes.condition + sizes.num_channels + sizes.latent};
-  Gru<T> gru{norm.width, sizes.hidden, sizes.num_layers};
+  LayerNorm<T> norm{sizes.condition + (sizes.is_diffusion() ? sizes.num_channels + sizes.latent : 0)};
+  FaceDecoder<T> decoder{sizes.decoder, norm.width, sizes.hidden, sizes.num_channels};
   Linear<T> out{sizes.hidden, sizes.num_channels};
 
   explicit BeatDenoiser(const Sizes& s) : sizes(s) {}
   template <class V>
   void visit(V& v) {
-    v.scope("time_mlp.0", time);
+    if (sizes.is_diffusion()) v.scope("time_mlp.0", time);
     v.scope("norm_cond", norm);
-    v.scope("gru", gru);
+    decoder.visit_as("gru", v);
     v.scope("final_layer", out);
   }
 
@@ -143,14 +177,12 @@ struct BeatDenoiser {
   T time_token(const T& like, std::int64_t step) const { return one_hot_time(time, like, step); }
   T tokens(const T& x_t, const Conditions<T>& given, std::int64_t step) const {
     using B = Operations<T>;
+    if (!sizes.is_diffusion()) return norm(given.speech);
     return norm(B::concat_columns({given.speech, x_t, repeated(time_token(x_t, step), x_t, sizes.latent)}));
   }
-  template <class Between>
-  T predict_x0(const T& x_t, const Conditions<T>& given, std::int64_t step, Between&& between) const {
-    return out(gru(tokens(x_t, given, step), between));
-  }
-  T predict_x0(const T& x_t, const Conditions<T>& given, std::int64_t step) const {
-    return predict_x0(x_t, given, step, [](T y) { return y; });
+  T predict_x0(const T& x_t, const Conditions<T>& given, std::int64_t step,
+               const DecoderPass<T>& pass = {}) const {
+    return decoder(tokens(x_t, given, step), out, pass);
   }
 };
 
@@ -159,18 +191,22 @@ struct DammDenoiser {
   Sizes sizes;
   T sinusoids{}, sinusoids_again{};  // [entries, 1, L]; one table under two names
   Linear<T> time1{sizes.latent, sizes.latent}, time2{sizes.latent, sizes.latent};
-  Gru<T> gru{sizes.condition + sizes.latent + sizes.num_channels, sizes.hidden, sizes.num_layers};
+  FaceDecoder<T> decoder{sizes.decoder,
+                         sizes.condition + (sizes.is_diffusion() ? sizes.latent + sizes.num_channels : 0),
+                         sizes.hidden, sizes.num_channels};
   Linear<T> out{sizes.hidden, sizes.num_channels};
 
   explicit DammDenoiser(const Sizes& s) : sizes(s) {}
   template <class V>
   void visit(V& v) {
-    const Shape table = {sizes.num_steps, 1, sizes.latent};
-    v.buffer("sequence_pos_encoder.pe", sinusoids_again, table);
-    v.buffer("embed_timestep.sequence_pos_encoder.pe", sinusoids, table);
-    v.scope("embed_timestep.time_embed.0", time1);
-    v.scope("embed_timestep.time_embed.2", time2);
-    v.scope("rnn", gru);
+    if (sizes.is_diffusion()) {
+      const Shape table = {sizes.num_steps, 1, sizes.latent};
+      v.buffer("sequence_pos_encoder.pe", sinusoids_again, table);
+      v.buffer("embed_timestep.sequence_pos_encoder.pe", sinusoids, table);
+      v.scope("embed_timestep.time_embed.0", time1);
+      v.scope("embed_timestep.time_embed.2", time2);
+    }
+    decoder.visit_as("rnn", v);
     v.scope("out", out);
   }
 
@@ -182,14 +218,12 @@ struct DammDenoiser {
   /// Not normalised, and in another order than B-BEAT's.
   T tokens(const T& x_t, const Conditions<T>& given, std::int64_t step) const {
     using B = Operations<T>;
+    if (!sizes.is_diffusion()) return given.speech;
     return B::concat_columns({given.speech, repeated(time_token(x_t, step), x_t, sizes.latent), x_t});
   }
-  template <class Between>
-  T predict_x0(const T& x_t, const Conditions<T>& given, std::int64_t step, Between&& between) const {
-    return out(gru(tokens(x_t, given, step), between));
-  }
-  T predict_x0(const T& x_t, const Conditions<T>& given, std::int64_t step) const {
-    return predict_x0(x_t, given, step, [](T y) { return y; });
+  T predict_x0(const T& x_t, const Conditions<T>& given, std::int64_t step,
+               const DecoderPass<T>& pass = {}) const {
+    return decoder(tokens(x_t, given, step), out, pass);
   }
 };
 

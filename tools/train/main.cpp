@@ -18,6 +18,12 @@ Status run_config(const std::string& path, const std::string& snapshot,
     config.options.device = config.run.device;
     return snapshot.empty() ? train_default(config, progress) : snapshot_default(config, snapshot, progress);
   }
+  if (system == architecture_name(Architecture::said)) {
+    MIEN_TRY(SaidConfig config, read_said_config(file));
+    change(config.run);
+    config.options.device = config.run.device;
+    return snapshot.empty() ? train_said(config, progress) : snapshot_said(config, snapshot, progress);
+  }
   for (const auto architecture : {Architecture::facexhubert, Architecture::facediffuser_v,
                                   Architecture::facediffuser_beat, Architecture::facediffuser_damm}) {
     if (architecture_name(architecture) != system) continue;
@@ -27,7 +33,7 @@ Status run_config(const std::string& path, const std::string& snapshot,
     return snapshot.empty() ? train_face(config, progress) : snapshot_face(config, snapshot, progress);
   }
   return Error{Errc::usage, "'" + path + "'", "[run] system '" + system + "' is not known",
-               "Known: default, facexhubert, facediffuser_v, facediffuser_beat, facediffuser_damm"};
+               "Known: default, facexhubert, facediffuser_v, facediffuser_beat, facediffuser_damm, said"};
 }
 
 }  // namespace

@@ -58,6 +58,9 @@ class EditSeams : public testing::TestWithParam<const char*> {
 };
 
 TEST_P(EditSeams, AreAsSmoothAsTheClip) {
+#ifdef __SANITIZE_ADDRESS__
+  GTEST_SKIP() << "a measure, which takes minutes under a sanitizer; the tests of edit() run the same code";
+#endif
   const fs::path model_path = fs::path(MIEN_TEST_DATA_DIR) / "../.." / "share/default.safetensors";
   if (!fs::exists(model_path)) GTEST_SKIP() << "share/default.safetensors is absent";
   if (!fs::exists(recording())) GTEST_SKIP() << GetParam() << " is absent";

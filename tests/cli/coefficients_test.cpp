@@ -104,7 +104,8 @@ TEST_F(CoefficientsTest, OfTheTruthWithItselfAreNearZero) {
   const auto run =
       mien({"evaluate", "coefficients", "truth", "truth", "--codec", "codec.safetensors", "--json"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  for (const auto& row : nlohmann::json::parse(run.out).at("rows")) {
+  const auto report = nlohmann::json::parse(run.out);
+  for (const auto& row : report.at("rows")) {
     const auto& value = row.at("values").at(0).at("value");
     if (row.at("name") == "FD") {
       EXPECT_LT(std::abs(value.get<double>()), 1e-6);

@@ -3,6 +3,7 @@
 
 #include "mien/render/png.h"
 #include "program.h"
+#include "test_paths.h"
 
 namespace mien {
 namespace {
@@ -58,8 +59,9 @@ TEST_F(ProgramTest, InspectKnowsEveryKind) {
 }
 
 TEST_F(ProgramTest, EvaluateMeasuresTheFixtureCorpus) {
-  if (!std::filesystem::exists(MIEN_CORPUS_FIXTURE)) GTEST_SKIP() << MIEN_CORPUS_FIXTURE << " is absent";
-  const auto run = mien({"evaluate", "corpus", MIEN_CORPUS_FIXTURE, "--model", "small.safetensors", "--takes",
+  const auto corpus = project_path("tests/data/corpus_fixture");
+  if (!std::filesystem::exists(corpus)) GTEST_SKIP() << corpus << " is absent";
+  const auto run = mien({"evaluate", "corpus", corpus.string(), "--model", "small.safetensors", "--takes",
                          "2", "--true-takes", "2", "--draws", "0", "--max-items", "2", "--json"});
   if (run.exit_code == 3) GTEST_SKIP() << "the fixture holds no sound: " << run.err;
   ASSERT_EQ(run.exit_code, 0) << run.err;
@@ -69,8 +71,7 @@ TEST_F(ProgramTest, EvaluateMeasuresTheFixtureCorpus) {
 }
 
 TEST_F(ProgramTest, EvaluateShowsTheLoudnessBaselineBesidePeople) {
-  const char* named = std::getenv("MIEN_SHARED");
-  const auto folder = std::filesystem::path(named != nullptr ? named : MIEN_SHARED_DIR) / "audio/human";
+  const auto folder = shared_path("audio/human");
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is absent";
   const auto run = mien({"evaluate", "human", folder.string(), "--model", "small.safetensors", "--takes", "1",
                          "--draws", "0", "--only", "vctk_p225_003"});

@@ -12,6 +12,7 @@
 #include "mien/io/gltf_writer.h"
 #if MIEN_HAS_FACE
 #include "mien/face/default_head.h"
+#include "test_paths.h"
 #endif
 
 namespace {
@@ -94,8 +95,7 @@ int main(int argc, char** argv) {
 #if MIEN_HAS_FACE
   save_all("default_head", default_head(), true);
 #endif
-  const char* shared = std::getenv("MIEN_SHARED");
-  const fs::path faces = fs::path(shared != nullptr ? shared : MIEN_SHARED_DIR) / "faces";
+  const fs::path faces = shared_path("faces");
   for (const char* name : {"ict_facekit", "makehuman_head", "arkit_reference", "mediapipe_canonical"}) {
     const fs::path path = faces / (std::string(name) + ".safetensors");
     if (!fs::exists(path)) continue;

@@ -4,6 +4,8 @@
 #include <cstdlib>
 #include <stdexcept>
 
+#include "test_paths.h"
+
 namespace mien::parity {
 namespace {
 
@@ -17,11 +19,9 @@ T taken(Result<T> result) {
 
 std::filesystem::path fixture_root() {
   if (const char* root = std::getenv("MIEN_FIXTURES"); root != nullptr && *root != '\0') return root;
-  const auto shared = std::filesystem::path(MIEN_SHARED_DIR) / "fixtures";
+  const auto shared = shared_path("fixtures");
   std::error_code absent;
-  return std::filesystem::is_directory(shared, absent)
-             ? shared
-             : std::filesystem::path(MIEN_TEST_DATA_DIR) / "fixtures";
+  return std::filesystem::is_directory(shared, absent) ? shared : project_path("tests/data/fixtures");
 }
 
 std::vector<std::string> cases(std::string_view folder, std::string_view prefix, std::string_view suffix) {

@@ -130,8 +130,8 @@ TEST(MetricsParity, HeatMaps) {
       const std::string samples = "in.seq" + map.substr(0, cut) + ".samples";
       const auto shape = fixture.file().find(samples)->shape;  // [samples, N, V, 3]
       const auto count = static_cast<std::size_t>(shape[1] * shape[2] * shape[3]);
-      const auto all = fixture.tensor(samples).values();
-      const auto own = all.subspan(std::stoul(map.substr(cut + 7)) * count, count);
+      const Tensor all = fixture.tensor(samples);
+      const auto own = all.values().subspan(std::stoul(map.substr(cut + 7)) * count, count);
       const auto travel = vertex_travel(vertex_motion({"recorded", shape[2]}, 25, {own.begin(), own.end()}));
       ASSERT_TRUE(travel) << travel.error().message();
       const auto close = [&](const std::vector<float>& got, const std::string& want) {

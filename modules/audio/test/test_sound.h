@@ -1,19 +1,14 @@
 #pragma once
-#include <cstdlib>
 #include <filesystem>
 #include <string>
 #include <vector>
 
 #include "mien/base/random.h"
+#include "test_paths.h"
 
 namespace mien {
 
-/// Where the recordings of MIEN_SHARED (or ../shared) lie; tests that need one skip by name when it is
-/// absent.
-inline std::filesystem::path shared_audio() {
-  const char* root = std::getenv("MIEN_SHARED");
-  return std::filesystem::path(root != nullptr ? root : MIEN_SHARED_DIR) / "audio";
-}
+inline std::filesystem::path shared_audio() { return shared_path("audio"); }
 
 /// Noise of changing loudness with silent stretches: speech-like enough for features.
 inline std::vector<float> babble(std::size_t num_samples, std::uint64_t seed = 1) {

@@ -8,11 +8,12 @@
 #include "mien/corpus/curve_file.h"
 #include "mien/corpus/take.h"
 #include "mien/corpus/text.h"
+#include "test_paths.h"
 
 namespace mien {
 namespace {
 
-const std::filesystem::path kFixture = std::filesystem::path(MIEN_TEST_DATA_DIR) / "corpus_fixture";
+const std::filesystem::path kFixture = project_path("tests/data/corpus_fixture");
 constexpr int kTakes = 4;
 
 TEST(CorpusFixture, HoldsTwelveShortClipsWithSound) {

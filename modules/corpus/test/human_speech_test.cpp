@@ -8,15 +8,13 @@
 #include "mien/corpus/corpus_files.h"
 #include "mien/corpus/prominence.h"
 #include "mien/corpus/take.h"
+#include "test_paths.h"
 
 // Prominence and curves on recordings of people with phone labels, when these recordings are there.
 namespace mien {
 namespace {
 
-std::filesystem::path human_folder() {
-  const char* shared = std::getenv("MIEN_SHARED");
-  return std::filesystem::path(shared != nullptr ? shared : MIEN_SHARED_DIR) / "audio" / "human";
-}
+std::filesystem::path human_folder() { return shared_path("audio/human"); }
 
 // The labels have the columns of phones/<id>.tsv up to the viseme.
 Utterance read_labels(const std::string& id) {

@@ -10,6 +10,7 @@
 #include "mien/render/camera.h"
 #include "mien/render/png.h"
 #include "mien/render/rasteriser.h"
+#include "test_paths.h"
 
 namespace mien {
 namespace {
@@ -78,7 +79,7 @@ class GoldenPose : public testing::TestWithParam<StandardPose> {};
 TEST_P(GoldenPose, LooksAsStored) {
   const Image now = picture(GetParam());
   const fs::path stored =
-      fs::path(MIEN_TEST_DATA_DIR) / "golden" / (std::string("head_") + GetParam().name + ".png");
+      project_path("tests/data/golden") / (std::string("head_") + GetParam().name + ".png");
   if (std::getenv("MIEN_UPDATE_GOLDEN") != nullptr) {
     ASSERT_TRUE(write_png(stored, now));
     GTEST_SKIP() << "wrote " << stored;

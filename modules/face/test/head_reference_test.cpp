@@ -10,6 +10,7 @@
 #include "head/tables.h"
 #include "mien/face/regions.h"
 #include "mien/io/safetensors.h"
+#include "test_paths.h"
 
 namespace mien {
 namespace {
@@ -21,7 +22,8 @@ using test::reference_model;
 // Trusted tensors of a reference file.
 class Reference {
  public:
-  explicit Reference(const char* path) : file_(std::move(SafetensorsFile::open(path)).value()) {}
+  explicit Reference(const std::filesystem::path& path)
+      : file_(std::move(SafetensorsFile::open(path)).value()) {}
   [[nodiscard]] bool has(const std::string& name) const { return file_.find(name) != nullptr; }
   [[nodiscard]] std::span<const float> floats(const std::string& name) const {
     return file_.as<float>(name).value();
@@ -115,7 +117,7 @@ void compare_with(const Reference& file) {
 }
 
 TEST(HeadReference, SampleOfEveryPartAndShape) {
-  compare_with(Reference(MIEN_TEST_DATA_DIR "/face/head_sample.safetensors"));
+  compare_with(Reference(project_path("tests/data/face/head_sample.safetensors")));
 }
 
 TEST(HeadReference, EverythingIfTheFullReferenceIsThere) {

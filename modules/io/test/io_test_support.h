@@ -1,7 +1,6 @@
 #pragma once
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -9,6 +8,7 @@
 #include "mien/base/bytes.h"
 #include "mien/core/character.h"
 #include "mien/core/motion.h"
+#include "test_paths.h"
 
 namespace mien::test {
 
@@ -16,8 +16,7 @@ using Json = nlohmann::json;
 
 /// A file beside the project, or nothing where it is absent.
 inline std::optional<std::filesystem::path> shared_file(const std::string& name) {
-  const char* root = std::getenv("MIEN_SHARED");
-  const auto path = std::filesystem::path(root != nullptr ? root : MIEN_SHARED_DIR) / name;
+  const auto path = shared_path(name);
   if (!std::filesystem::exists(path)) return std::nullopt;
   return path;
 }

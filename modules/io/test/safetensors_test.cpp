@@ -5,12 +5,12 @@
 #include <unistd.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <limits>
 #include <numeric>
 
 #include "mien/base/file.h"
+#include "test_paths.h"
 
 namespace mien {
 namespace {
@@ -272,10 +272,7 @@ TEST_F(Safetensors, WriterRefusesMisuse) {
   EXPECT_THROW((void)writer->finish(), std::logic_error);
 }
 
-fs::path checkpoint_variants() {
-  const char* root = std::getenv("MIEN_SHARED");
-  return fs::path(root != nullptr ? root : MIEN_SHARED_DIR) / "fixtures/encoders/checkpoint-variants";
-}
+fs::path checkpoint_variants() { return shared_path("fixtures/encoders/checkpoint-variants"); }
 
 TEST(SharedSafetensors, HostileFilesAreRejected) {
   const auto folder = checkpoint_variants() / "reject";

@@ -14,6 +14,7 @@
 #include "mien/metrics/human_report.h"
 #include "mien/metrics/loudness.h"
 #include "mien/metrics/utterance_labels.h"
+#include "test_paths.h"
 
 namespace mien {
 namespace {
@@ -21,10 +22,7 @@ namespace {
 using test::make_labels;
 using test::open_except;
 
-std::filesystem::path human_folder() {
-  const char* root = std::getenv("MIEN_SHARED");
-  return std::filesystem::path(root != nullptr ? root : MIEN_SHARED_DIR) / "audio/human";
-}
+std::filesystem::path human_folder() { return shared_path("audio/human"); }
 
 // The rows of the README's last table, in its order.
 enum Predictor { oracle, late_60, late_100, loud, steep, shut, random_times, num_predictors };

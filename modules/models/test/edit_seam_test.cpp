@@ -3,12 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 
+#include "build_kind.h"
 #include "mien/audio/load_audio.h"
 #include "mien/core/arkit.h"
 #include "mien/models/edit.h"
+#include "test_paths.h"
 
 namespace mien {
 namespace {
@@ -43,25 +44,19 @@ double percentile(std::vector<double> values, double share) {
   return values[static_cast<std::size_t>(at)];
 }
 
-fs::path shared(const std::string& name) {
-  const char* root = std::getenv("MIEN_SHARED");
-  return fs::path(root != nullptr ? root : MIEN_SHARED_DIR) / name;
-}
-
 class EditSeams : public testing::TestWithParam<const char*> {
  protected:
   // An example of the repository, or a recording beside it.
   static fs::path recording() {
-    const fs::path own = fs::path(MIEN_TEST_DATA_DIR) / "../.." / GetParam();
-    return fs::exists(own) ? own : shared(GetParam());
+    const fs::path own = project_path(GetParam());
+    return fs::exists(own) ? own : shared_path(GetParam());
   }
 };
 
 TEST_P(EditSeams, AreAsSmoothAsTheClip) {
-#ifdef __SANITIZE_ADDRESS__
-  GTEST_SKIP() << "a measure, which takes minutes under a sanitizer; the tests of edit() run the same code";
-#endif
-  const fs::path model_path = fs::path(MIEN_TEST_DATA_DIR) / "../.." / "share/default.safetensors";
+  if (has_address_sanitizer())
+    GTEST_SKIP() << "a measure, which takes minutes under a sanitizer; the tests of edit() run the same code";
+  const fs::path model_path = project_path("share/default.safetensors");
   if (!fs::exists(model_path)) GTEST_SKIP() << "share/default.safetensors is absent";
   if (!fs::exists(recording())) GTEST_SKIP() << GetParam() << " is absent";
   const auto model = DefaultModel::load(model_path);

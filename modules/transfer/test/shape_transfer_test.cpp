@@ -10,6 +10,7 @@
 #include "mien/io/character_file.h"
 #include "mien/transfer/shape_comparison.h"
 #include "sheet.h"
+#include "test_paths.h"
 
 namespace mien {
 namespace {
@@ -111,8 +112,7 @@ TEST(ShapeComparison, MeasuresWhatCounts) {
 
 // Shapes that artists made for one face, brought to another and compared with the other artists' shapes.
 TEST(ShapeTransfer, ComesCloseToTheArtistsOfAnotherRealFace) {
-  const char* shared = std::getenv("MIEN_SHARED");
-  const auto faces = std::filesystem::path(shared != nullptr ? shared : MIEN_SHARED_DIR) / "faces";
+  const auto faces = shared_path("faces");
   const auto from = load_character(faces / "arkit_reference.safetensors"),
              to = load_character(faces / "ict_facekit.safetensors");
   if (!from || !to) GTEST_SKIP() << "no arkit_reference and ict_facekit in " << faces;

@@ -1,0 +1,14 @@
+#pragma once
+#include <filesystem>
+#include <string_view>
+
+namespace mien {
+
+/// Recordings, faces and fixtures beside the project: MIEN_SHARED, else ../shared. A test that needs an absent
+/// file is skipped by name.
+[[nodiscard]] std::filesystem::path shared_path(std::string_view name);
+
+/// A file of the project: "tests/data/golden", "share/default.safetensors".
+[[nodiscard]] std::filesystem::path project_path(std::string_view name);
+
+}  // namespace mien

@@ -2,8 +2,8 @@
 # One room: include/mien/<name>/ is its own include root, so a room that is not in DEPENDS cannot be included.
 # mien_room_test(name SOURCES ... LINK ...): the room's GoogleTest program, mien_<name>_test.
 
-# Flags of every target of ours; never of a dependency.
-function(mien_target_flags target)
+# Language and warnings of every target of ours; never of a dependency.
+function(mien_language_flags target)
   target_compile_features(${target} PUBLIC cxx_std_20)
   target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
                                            -ffp-contract=off)
@@ -13,11 +13,17 @@ function(mien_target_flags target)
   if(MIEN_WERROR)
     target_compile_options(${target} PRIVATE -Werror)
   endif()
+endfunction()
+
+# Flags of libraries and programs: the sanitizers too.
+function(mien_target_flags target)
+  mien_language_flags(${target})
   if(MIEN_SANITIZE STREQUAL "address")
-    target_compile_options(${target} PRIVATE -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer)
+    target_compile_options(${target} PRIVATE -O1 -g1 -UNDEBUG -fsanitize=address,undefined -fno-sanitize-recover=all
+                                             -fno-omit-frame-pointer)
     target_link_options(${target} PUBLIC -fsanitize=address,undefined)
   elseif(MIEN_SANITIZE STREQUAL "thread")
-    target_compile_options(${target} PRIVATE -fsanitize=thread)
+    target_compile_options(${target} PRIVATE -O1 -g1 -fsanitize=thread)
     target_link_options(${target} PUBLIC -fsanitize=thread)
   endif()
 endfunction()
@@ -38,8 +44,14 @@ function(mien_module name)
 endfunction()
 
 # A test program: its own code need not be fast, but there is much of it, and it compiles in 60 to 80 % of the time.
+# The address sanitizer watches what is tested, not the tests: their objects are then those of the release build, and
+# a compiler cache gives them to both. The thread sanitizer has to see all threads.
 function(mien_test_flags target)
-  mien_target_flags(${target})
+  if(MIEN_SANITIZE STREQUAL "address")
+    mien_language_flags(${target})
+  else()
+    mien_target_flags(${target})
+  endif()
   target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
 endfunction()
 
@@ -50,9 +62,6 @@ function(mien_room_test name)
   cmake_parse_arguments(T "" "" "SOURCES;LINK" ${ARGN})
   add_executable(mien_${name}_test ${T_SOURCES})
   mien_test_flags(mien_${name}_test)
-  target_link_libraries(mien_${name}_test PRIVATE mien::${name} ${T_LINK} GTest::gmock GTest::gtest_main)
-  # MIEN_SHARED_DIR: recordings, faces and fixtures beside the project. Tests that need an absent file are skipped by name.
-  target_compile_definitions(mien_${name}_test PRIVATE
-    MIEN_SHARED_DIR="${PROJECT_SOURCE_DIR}/../shared" MIEN_TEST_DATA_DIR="${PROJECT_SOURCE_DIR}/tests/data")
+  target_link_libraries(mien_${name}_test PRIVATE mien::${name} mien_test_support ${T_LINK} GTest::gmock GTest::gtest_main)
   gtest_discover_tests(mien_${name}_test TEST_PREFIX ${name}. DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 600)
 endfunction()

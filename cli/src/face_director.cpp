@@ -34,11 +34,12 @@ void add_face_options(CLI::App& command, DirectionWords& words, FaceWords& face)
                      "Published models: numbers of the speech encoder (and of SAiD's denoiser), f32, bf16 or "
                      "int8. Default: f32");
   command
-      .add_option("--window", face.window_s,
-                  "Published models: seconds of speech to encode at once, with 5 s heard on either side; "
-                  "saves time and memory on long speech and is not exact. SAiD: seconds of motion to make at "
-                  "once, each "
-                  "from the end of the one before. Default: 0, all of it")
+      .add_option(
+          "--window", face.window_s,
+          "Published models: seconds of speech to encode at once, with 5 s heard on either side; "
+          "saves time and memory on long speech and is not exact. SAiD: seconds of motion to make at "
+          "once, each from the end of the one before. 0: all of it. Default: all of it up to a minute, "
+          "longer speech in windows of 20 s")
       ->check(CLI::Range(0.0, 3600.0));
 }
 
@@ -49,7 +50,7 @@ std::string FaceWords::used() const {
   if (skip != 0) return "--skip";
   if (eta != 0) return "--eta";
   if (!precision.empty()) return "--precision";
-  if (window_s != 0) return "--window";
+  if (window_s) return "--window";
   return same_noise ? "--const-noise" : "";
 }
 
@@ -87,13 +88,7 @@ Result<FaceOptions> face_options(const DirectionWords& words, const FaceWords& f
   options.skip = face.skip;
   options.same_noise = face.same_noise;
   options.seed = words.seed;
-  if (face.window_s > 0) {
-    constexpr double kFeaturesPerSecond = 50;
-    constexpr std::int64_t kContext = 250;  // 5 s to either side: docs/performance.md, windows
-    options.windows = {.frames = std::max<std::int64_t>(1, std::llround(face.window_s * kFeaturesPerSecond)),
-                       .left = kContext,
-                       .right = kContext};
-  }
+  if (face.window_s) options.windows = *face.window_s > 0 ? windows_of(*face.window_s) : EncoderWindows();
   return options;
 }
 

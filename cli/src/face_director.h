@@ -1,4 +1,5 @@
 #pragma once
+#include <optional>
 #include <string>
 
 #include "director.h"
@@ -16,8 +17,8 @@ struct FaceWords {
   int skip = 0;
   double eta = 0;
   bool same_noise = false;
-  std::string precision;  ///< of the speech encoder: "f32", "bf16", "int8"; empty: f32
-  double window_s = 0;    ///< of speech that is encoded at once; 0: all of it
+  std::string precision;           ///< of the speech encoder: "f32", "bf16", "int8"; empty: f32
+  std::optional<double> window_s;  ///< of speech that is encoded at once; 0: all of it
   /// Whether --steps and --sampler were given: their defaults are those of the default model.
   bool has_steps = false, has_sampler = false;
 

@@ -71,7 +71,7 @@ Result<SaidOptions> said_options(const DirectionWords& words, const FaceWords& f
   FaceWords others = face;
   others.eta = 0;
   others.precision.clear();
-  others.window_s = 0;
+  others.window_s.reset();
   if (const std::string word = others.used(); !word.empty()) return unfit(word);
   SaidOptions options;
   auto& sampling = options.sampling;
@@ -91,13 +91,14 @@ Result<SaidOptions> said_options(const DirectionWords& words, const FaceWords& f
                  "Name that motion: --init MOTION"};
   sampling.strength = said.strength.value_or(1.0);
   options.seed = words.seed;
-  if (face.window_s > 0) {
+  if (face.window_s && *face.window_s > 0) {
     if (!said.init.empty())
       return Error{Errc::usage, "--window", "and --init exclude each other", "Leave one of them out"};
-    constexpr double kFps = 60;
-    const auto window = static_cast<std::int64_t>(std::llround(face.window_s * kFps));
+    const auto window = static_cast<std::int64_t>(std::llround(*face.window_s * kSaidFps));
     options.overlap = std::clamp<std::int64_t>(window / 4, 1, options.overlap);
     options.window = std::max(window, 2 * options.overlap);
+  } else if (face.window_s) {
+    options.window = 0;
   }
   Result<SaidOptions> result(options);
   if (said.guidance && *said.guidance > 0 && *said.guidance <= 1)

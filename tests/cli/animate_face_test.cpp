@@ -66,7 +66,7 @@ TEST_F(AnimateFaceTest, StreamsTheBitsOfTheMotionInMemory) {
     std::vector<std::string> words = {
         "animate", "long.wav", "--model", "mesh.safetensors", "--seed", "5", "--takes", "2", "-o", "a.npy"};
     if (windowed) {
-      options.windows = {.frames = 100, .left = 250, .right = 250};
+      options.windows = EncoderWindows{.frames = 100, .left = 250, .right = 250};
       words.insert(words.end(), {"--window", "2"});
     }
     Progress progress;

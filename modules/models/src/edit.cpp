@@ -185,7 +185,8 @@ Result<std::vector<Motion>> edit(const FaceModel& model, const AudioClip& speech
 Result<std::vector<Motion>> edit(const SaidModel& model, const AudioClip& speech, const Motion& motion,
                                  const KeptValues& kept, const SaidOptions& options, int num_takes,
                                  int num_threads, Progress& progress) {
-  contract(options.known == nullptr && options.window == 0, "edit: SAiD knows what is kept, in one window");
+  contract(options.known == nullptr && options.window.value_or(0) == 0,
+           "edit: SAiD knows what is kept, in one window");
   const Motion empty = model.empty_motion();
   MIEN_TRY(const auto channels, common_channels(motion, kept, empty));
   const auto known = as_model(kept, motion, channels, empty.fps);

@@ -328,8 +328,13 @@ Status animate(const FaceModel& model, SampleSource& speech, const FaceOptions& 
   if (!is_ready) return is_ready.error();
   progress.stage("encoding", 0);
   FeatureFeed feed(alignment, num_features, std::move(make), progress);
+  const double speech_s = static_cast<double>(num_samples) / kModelSampleRateHz;
+  const bool is_long = !options.windows && speech_s > kLongSpeech_s;
   const EncodeOptions encoding{
-      .num_threads = num_threads, .num_frames = 0, .windows = options.windows, .on_hidden = {}};
+      .num_threads = num_threads,
+      .num_frames = 0,
+      .windows = is_long ? windows_of(kLongSpeechWindow_s) : options.windows.value_or(EncoderWindows()),
+      .on_hidden = {}};
   bool is_first = true;
   const Status encoded = parts.encoder.encode(speech, heard, encoding, [&](const Tensor& features) {
     if (std::exchange(is_first, false)) progress.stage("animating", alignment.num_frames);
@@ -338,7 +343,9 @@ Status animate(const FaceModel& model, SampleSource& speech, const FaceOptions& 
   if (!encoded) return encoded.error();
   if (!feed.status()) return feed.status().error();
   contract(feed.is_finished(), "animate: the encoder gave fewer frames than its configuration says");
-  return Done{};
+  Status status = Done{};
+  if (is_long) status.warnings.push_back(windows_warning(speech_s));
+  return status;
 }
 
 Result<std::vector<Motion>> animate(const FaceModel& model, const AudioClip& clip, const FaceOptions& options,
@@ -353,7 +360,9 @@ Result<std::vector<Motion>> animate(const FaceModel& model, const AudioClip& cli
                                   return Done{};
                                 });
   if (!status) return status.error();
-  return motions;
+  Result<std::vector<Motion>> result(std::move(motions));
+  result.warnings = status.warnings;
+  return result;
 }
 
 }  // namespace mien

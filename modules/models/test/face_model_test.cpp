@@ -71,13 +71,13 @@ TEST(FaceModel, EncodesInPiecesAndInFewerBits) {
   FaceOptions options;
   const auto whole = animate(*model, speech, options, 1, 1, progress);
   ASSERT_TRUE(whole) << whole.error().message();
-  options.windows = {.frames = 40, .left = 1000, .right = 1000};
+  options.windows = EncoderWindows{.frames = 40, .left = 1000, .right = 1000};
   const auto all_context = animate(*model, speech, options, 1, 2, progress);
   ASSERT_TRUE(all_context) << all_context.error().message();
   ASSERT_EQ(all_context->front().values.size(), whole->front().values.size());
   for (std::size_t i = 0; i < whole->front().values.size(); ++i)
     ASSERT_NEAR(all_context->front().values[i], whole->front().values[i], 1e-4) << i;
-  options.windows = {.frames = 40, .left = 10, .right = 10};
+  options.windows = EncoderWindows{.frames = 40, .left = 10, .right = 10};
   const auto little_context = animate(*model, speech, options, 1, 1, progress);
   EXPECT_EQ(little_context->front().num_frames(), whole->front().num_frames());
   EXPECT_NE(little_context->front().values, whole->front().values);
@@ -88,6 +88,26 @@ TEST(FaceModel, EncodesInPiecesAndInFewerBits) {
   const auto rounded = animate(*coarse, speech, {}, 1, 1, progress);
   EXPECT_EQ(rounded->front().num_frames(), whole->front().num_frames());
   EXPECT_NE(rounded->front().values, whole->front().values);
+}
+
+TEST(FaceModel, TakesLongSpeechInWindowsAndSaysSo) {
+  const auto model = FaceModel::load(write_mesh_model());
+  ASSERT_TRUE(model) << model.error().message();
+  Progress progress;
+  FaceOptions in_windows, at_once;
+  in_windows.windows = windows_of(20);
+  at_once.windows = EncoderWindows();
+  const auto performed = [&](double seconds, const FaceOptions& options) {
+    return animate(*model, clip(seconds), options, 1, 2, progress);
+  };
+  const auto chosen = performed(61, {}), windows = performed(61, in_windows), whole = performed(61, at_once);
+  ASSERT_TRUE(chosen && windows && whole);
+  EXPECT_EQ(chosen->front().values, windows->front().values);
+  EXPECT_NE(chosen->front().values, whole->front().values);
+  ASSERT_EQ(chosen.warnings.size(), 1u);
+  EXPECT_EQ(chosen.warnings[0].find("speech of 61 s is taken in windows of 20 s"), 0u) << chosen.warnings[0];
+  EXPECT_TRUE(windows.warnings.empty() && whole.warnings.empty());
+  EXPECT_TRUE(performed(59, {}).warnings.empty());
 }
 
 TEST(FaceModel, AnimatesRigsAndPredictsExpressions) {

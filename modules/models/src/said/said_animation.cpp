@@ -113,13 +113,15 @@ class Performance {
   std::vector<std::string> warnings_;
 };
 
-// Speech encoded window by window, with context on both sides, and animated as soon as a window is there.
+// Speech encoded in windows of `size` frames, with context on both sides, and animated as soon as a window is
+// there.
 Status animate_in_windows(const SaidModel& model, const AudioClip& clip, const SaidOptions& options,
-                          const said::SpeechLength& length, int num_threads, Performance& performance) {
-  constexpr std::int64_t kContext = 300;  // frames of speech heard on either side of a window: 5 s
+                          std::int64_t size, const said::SpeechLength& length, int num_threads,
+                          Performance& performance) {
+  constexpr auto kContext = static_cast<std::int64_t>(kWindowContext_s * kSaidFps);
   EncodeOptions encoding;
   encoding.num_threads = num_threads;
-  encoding.windows = {.frames = options.window - options.overlap, .left = kContext, .right = kContext};
+  encoding.windows = {.frames = size - options.overlap, .left = kContext, .right = kContext};
   Tensor waiting;  // context of the frames from `first` on
   std::int64_t first = 0, overlap = 0;
   Status status = Done{};
@@ -134,9 +136,8 @@ Status animate_in_windows(const SaidModel& model, const AudioClip& clip, const S
         const Tensor context = model.denoiser().context(features);
         waiting = waiting.count() == 0 ? context : concat_rows(waiting, context);
         // The last window takes what would be too little for one of its own.
-        while (status && waiting.num_rows() >= options.window &&
-               length.model_frames - first - options.window >= options.overlap)
-          run_window(options.window);
+        while (status && waiting.num_rows() >= size && length.model_frames - first - size >= options.overlap)
+          run_window(size);
       });
   if (!encoded) return encoded.error();
   if (!status) return status.error();
@@ -149,16 +150,20 @@ Status animate_in_windows(const SaidModel& model, const AudioClip& clip, const S
 Result<std::vector<Motion>> animate(const SaidModel& model, const AudioClip& clip, const SaidOptions& options,
                                     int num_takes, int num_threads, Progress& progress) {
   contract(num_takes >= 1, "animate: at least one take is needed");
-  contract(options.window == 0 || (options.overlap >= 1 && options.window >= 2 * options.overlap),
+  const double speech_s = static_cast<double>(clip.samples.size()) / kModelSampleRateHz;
+  const bool is_long = !options.window && options.known == nullptr && speech_s > kLongSpeech_s;
+  const std::int64_t window =
+      is_long ? static_cast<std::int64_t>(kLongSpeechWindow_s * kSaidFps) : options.window.value_or(0);
+  contract(window == 0 || (options.overlap >= 1 && window >= 2 * options.overlap),
            "animate: a window must be twice as long as the overlap, or longer");
-  contract(options.window == 0 || options.known == nullptr, "animate: windows exclude known values");
+  contract(window == 0 || options.known == nullptr, "animate: windows exclude known values");
   const said::SpeechLength length = said::speech_length(static_cast<std::int64_t>(clip.samples.size()));
   Performance performance(model, options, num_takes, num_threads, progress);
   progress.stage("encoding", 0);
   std::int64_t num_frames = length.num_frames;
-  if (options.window > 0 && length.model_frames >= options.window + options.overlap) {
+  if (window > 0 && length.model_frames >= window + options.overlap) {
     MIEN_TRY([[maybe_unused]] const auto done,
-             animate_in_windows(model, clip, options, length, num_threads, performance));
+             animate_in_windows(model, clip, options, window, length, num_threads, performance));
   } else {
     MIEN_TRY(const Tensor context, model.context(clip, num_threads));
     std::optional<KeptValues> known;
@@ -183,6 +188,7 @@ Result<std::vector<Motion>> animate(const SaidModel& model, const AudioClip& cli
   }
   Result<std::vector<Motion>> result(std::move(takes));
   result.warnings = performance.warnings();
+  if (is_long) result.warnings.push_back(windows_warning(speech_s));
   return result;
 }
 

@@ -10,8 +10,6 @@
 namespace mien {
 namespace {
 
-constexpr double kFps = 60;
-
 Error unfit(const std::string& why) {
   return {Errc::incompatible, "model", why, "The file may be damaged; import the checkpoint again"};
 }
@@ -20,7 +18,7 @@ Status check(const ModelFile& d, const said::Sizes& sizes) {
   if (d.output.channels != sizes.num_channels)
     return unfit("its description has " + std::to_string(d.output.channels) + " channels, its weights " +
                  std::to_string(sizes.num_channels));
-  if (d.output.fps != kFps) return unfit("does not move at 60 frames a second");
+  if (d.output.fps != kSaidFps) return unfit("does not move at 60 frames a second");
   if (!d.diffusion || !parse_beta_schedule(d.diffusion->schedule))
     return unfit("does not say how it was diffused");
   if (d.encoder->hidden_size != sizes.speech)
@@ -73,7 +71,7 @@ Result<SaidModel> SaidModel::load(const std::filesystem::path& path, EncoderPrec
 }
 
 Motion SaidModel::empty_motion() const {
-  Motion motion{MotionSpace::arkit, arkit_order(ArkitOrder::said), kFps, {}};
+  Motion motion{MotionSpace::arkit, arkit_order(ArkitOrder::said), kSaidFps, {}};
   const std::int64_t channels = parts_->description.output.channels;
   if (motion.num_channels() == channels) return motion;
   motion.space = MotionSpace::rig;  // other shapes than those that were published

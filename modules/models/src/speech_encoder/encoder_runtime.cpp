@@ -6,9 +6,24 @@
 #include "fast_convolutions.h"
 #include "fast_layers.h"
 #include "mien/base/contract.h"
+#include "mien/base/number_text.h"
 #include "mien/models/runtime_parameters.h"
 
 namespace mien {
+
+EncoderWindows windows_of(double seconds) {
+  constexpr double kFramesPerSecond = 50;
+  const auto frames = [](double s) {
+    return std::max<std::int64_t>(1, static_cast<std::int64_t>(std::llround(s * kFramesPerSecond)));
+  };
+  return {.frames = frames(seconds), .left = frames(kWindowContext_s), .right = frames(kWindowContext_s)};
+}
+
+std::string windows_warning(double speech_s) {
+  return "speech of " + fixed(speech_s, 0) + " s is taken in windows of " + fixed(kLongSpeechWindow_s, 0) +
+         " s, which is not exact; --window chooses them, --window 0 takes all at once";
+}
+
 Backend backend_of(EncoderPrecision precision) {
   switch (precision) {
     case EncoderPrecision::bfloat16:

@@ -28,7 +28,8 @@ struct FaceOptions {
   std::int64_t skip = 0;    ///< noisiest steps to leave out
   bool same_noise = false;  ///< fresh noise of a step is the same in all frames ("const noise")
   std::uint64_t seed = 0;   ///< same seed, same performance
-  EncoderWindows windows;   ///< long speech in pieces, which is not exact; none: at once
+  /// Speech in pieces, which is not exact; frames = 0: at once. Absent: at once up to kLongSpeech_s.
+  std::optional<EncoderWindows> windows{};
   /// What an edit keeps, [N, C] of empty_motion() in its units; null: nothing. FaceDiffuser makes the rest to
   /// go with it; frames still come out as the network makes them, for join_kept().
   std::shared_ptr<const KeptValues> kept{};
@@ -60,8 +61,8 @@ class FaceModel {
 };
 
 /// Speech to motion, `num_takes` performances side by side with the seeds performance_seed(seed, k); frames
-/// arrive in blocks of about five seconds. The speech is read twice, and with options.windows nothing grows
-/// with its length. Bits do not depend on threads. Errors: a clip shorter than a frame (input), words the
+/// arrive in blocks of about five seconds. The speech is read twice, and in windows nothing grows with its
+/// length. Bits do not depend on threads. Errors: a clip shorter than a frame (input), words the
 /// model does not know (usage), cancelled, those of source and sink.
 Status animate(const FaceModel& model, SampleSource& speech, const FaceOptions& options, int num_takes,
                int num_threads, Progress& progress, const FrameSink& sink);

@@ -15,6 +15,8 @@
 
 namespace mien {
 
+inline constexpr double kSaidFps = 60;
+
 /// What a performance by SAiD may be asked for.
 struct SaidOptions {
   said::SamplingOptions sampling;
@@ -24,9 +26,10 @@ struct SaidOptions {
   const KeptValues* known = nullptr;
   /// Long clips in windows of so many frames: each begins with the last `overlap` frames of the one before,
   /// which it keeps as an edit would, and its noise is that of the same frames in the whole. Memory is that
-  /// of a window. Not what the whole clip at once gives, unless it fits one window. 0: all at once. Not
-  /// together with known values.
-  std::int64_t window = 0, overlap = 60;
+  /// of a window. Not what the whole clip at once gives, unless it fits one window. 0: all at once. Absent:
+  /// at once up to kLongSpeech_s, and with known values, which exclude windows.
+  std::optional<std::int64_t> window{};
+  std::int64_t overlap = 60;
 };
 
 /// SAiD, loaded with its speech encoder. Immutable; may be shared by threads.

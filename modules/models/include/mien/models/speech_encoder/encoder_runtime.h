@@ -35,6 +35,15 @@ struct EncoderWindows {
   std::int64_t left = 0, right = 0;
 };
 
+/// Attention over a whole clip grows with the square of its length. Speech longer than this is taken in
+/// windows of kLongSpeechWindow_s, with kWindowContext_s heard on either side, unless its caller says
+/// otherwise.
+inline constexpr double kLongSpeech_s = 60, kLongSpeechWindow_s = 20, kWindowContext_s = 5;
+/// Windows of so many seconds at 50 frames a second.
+EncoderWindows windows_of(double seconds);
+/// "speech of 75 s is taken in windows of 20 s ..."
+std::string windows_warning(double speech_s);
+
 struct EncodeOptions {
   int num_threads = 1;
   /// Interpolate to this many frames between convolutions and projection (SAiD); 0: do not.

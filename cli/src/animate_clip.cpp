@@ -1,5 +1,8 @@
 #include "animate_clip.h"
 
+#include <algorithm>
+#include <limits>
+
 #include "mien/io/motion_file.h"
 #include "mien/models/animate.h"
 #include "take_files.h"
@@ -42,12 +45,16 @@ Status perform_said(const AnimateArguments& a, const AnimatePlan& p, const SaidM
   return status;
 }
 
+FrameSink sink_of(Takes& takes) {
+  return [&takes](int take, std::span<const float> frames) {
+    return takes[static_cast<std::size_t>(take)].add(frames);
+  };
+}
+
 // Speech to the frames of all takes.
 Status perform(const AnimateArguments& a, const AnimatePlan& p, const Performer& performer,
                AudioReader& speech, Takes& takes, Progress& progress) {
-  const FrameSink sink = [&](int take, std::span<const float> frames) {
-    return takes[static_cast<std::size_t>(take)].add(frames);
-  };
+  const FrameSink sink = sink_of(takes);
   if (const auto* face = std::get_if<FaceModel>(&performer))
     return animate(*face, speech, p.face, a.takes, a.threads, progress, sink);
   if (const auto* said = std::get_if<SaidModel>(&performer))
@@ -99,6 +106,43 @@ Result<std::optional<AudioClip>> sound_for(const ClipPlan& clip) {
   return std::optional<AudioClip>();
 }
 
+// A recording at work.
+struct OpenClip {
+  AudioReader speech;
+  Takes takes;
+};
+
+Result<OpenClip> open_clip(const AnimateArguments& a, const Performer& performer, const ClipPlan& clip) {
+  MIEN_TRY(AudioReader speech, AudioReader::open(clip.speech));
+  Takes takes;
+  for (int take = 0; take < a.takes; ++take) {
+    MIEN_TRY(TakeFiles files, TakeFiles::create(clip.of_take(take, a.takes), empty_motion(performer), a.fps,
+                                                clip.audio_name()));
+    takes.push_back(std::move(files));
+  }
+  return OpenClip{std::move(speech), std::move(takes)};
+}
+
+// From the last frame to the files. @return seconds of speech
+Result<double> finish_clip(const AnimateArguments& a, const AnimatePlan& p, const ClipPlan& clip,
+                           OpenClip& open, const Status& performed, ConsoleProgress& progress) {
+  const std::string what = "animating '" + clip.speech.string() + "'";
+  if (!performed) return within(performed.error(), what);
+  for (const auto& warning : performed.warnings) progress.warn(warning);
+  for (const auto& warning : open.speech.warnings()) {
+    if (warning == kSilent && !a.allow_silence)
+      return Error{Errc::input, "'" + clip.speech.string() + "'", warning,
+                   "Pass --allow-silence to get a face at rest"};
+    progress.warn(warning);
+  }
+  for (TakeFiles& take : open.takes)
+    if (const Status ended = take.end(); !ended) return within(ended.error(), what);
+  MIEN_TRY(const auto sound, sound_for(clip));
+  MIEN_TRY([[maybe_unused]] const auto written,
+           write_outputs(a, p, clip, open.takes, sound ? &*sound : nullptr, progress));
+  return open.takes.front().seconds();
+}
+
 }  // namespace
 
 Result<Performer> load_performer(const AnimateArguments& a, const AnimatePlan& p) {
@@ -115,31 +159,44 @@ Result<Performer> load_performer(const AnimateArguments& a, const AnimatePlan& p
   return Performer(std::move(model));
 }
 
-Result<double> animate_clip(const AnimateArguments& a, const AnimatePlan& p, const Performer& performer,
-                            const ClipPlan& clip, ConsoleProgress& progress) {
-  const std::string what = "animating '" + clip.speech.string() + "'";
-  MIEN_TRY(AudioReader speech, AudioReader::open(clip.speech));
-  Takes takes;
-  for (int take = 0; take < a.takes; ++take) {
-    MIEN_TRY(TakeFiles files, TakeFiles::create(clip.of_take(take, a.takes), empty_motion(performer), a.fps,
-                                                clip.audio_name()));
-    takes.push_back(std::move(files));
+std::size_t num_clips_together(const AnimateArguments& a, const Performer& performer,
+                               std::span<const ClipPlan> next) {
+  constexpr std::size_t kLanes = 8;  // more gain little: docs/performance.md
+  if (!std::holds_alternative<FaceModel>(performer)) return 1;
+  std::size_t count = 0;
+  for (const ClipPlan& clip : next.first(std::min(next.size(), kLanes / static_cast<std::size_t>(a.takes)))) {
+    const auto speech = AudioReader::open(clip.speech);
+    constexpr double kUnknown = std::numeric_limits<double>::infinity();
+    if (speech && speech->info().seconds.value_or(kUnknown) > kLongSpeech_s) break;  // much memory for features
+    ++count;
   }
-  const Status performed = perform(a, p, performer, speech, takes, progress);
-  if (!performed) return within(performed.error(), what);
-  for (const auto& warning : performed.warnings) progress.warn(warning);
-  for (const auto& warning : speech.warnings()) {
-    if (warning == kSilent && !a.allow_silence)
-      return Error{Errc::input, "'" + clip.speech.string() + "'", warning,
-                   "Pass --allow-silence to get a face at rest"};
-    progress.warn(warning);
+  return std::max<std::size_t>(count, 1);
+}
+
+std::vector<Result<double>> animate_clips(const AnimateArguments& a, const AnimatePlan& p,
+                                          const Performer& performer, std::span<const ClipPlan> clips,
+                                          ConsoleProgress& progress) {
+  std::vector<Result<OpenClip>> open;
+  for (const ClipPlan& clip : clips) open.push_back(open_clip(a, performer, clip));
+  std::vector<Status> performed(clips.size(), Status(Done{}));
+  if (clips.size() == 1) {
+    if (open[0]) performed[0] = perform(a, p, performer, open[0]->speech, open[0]->takes, progress);
+  } else {
+    std::vector<FaceClip> together;
+    std::vector<std::size_t> places;
+    for (std::size_t i = 0; i < clips.size(); ++i) {
+      if (!open[i]) continue;
+      together.push_back({&open[i]->speech, sink_of(open[i]->takes)});
+      places.push_back(i);
+    }
+    auto done = animate(std::get<FaceModel>(performer), together, p.face, a.takes, a.threads, progress);
+    for (std::size_t i = 0; i < places.size(); ++i) performed[places[i]] = std::move(done[i]);
   }
-  for (TakeFiles& take : takes)
-    if (const Status ended = take.end(); !ended) return within(ended.error(), what);
-  MIEN_TRY(const auto sound, sound_for(clip));
-  MIEN_TRY([[maybe_unused]] const auto written,
-           write_outputs(a, p, clip, takes, sound ? &*sound : nullptr, progress));
-  return takes.front().seconds();
+  std::vector<Result<double>> seconds;
+  for (std::size_t i = 0; i < clips.size(); ++i)
+    seconds.push_back(open[i] ? finish_clip(a, p, clips[i], *open[i], performed[i], progress)
+                              : Result<double>(open[i].error()));
+  return seconds;
 }
 
 }  // namespace mien

@@ -1,5 +1,7 @@
 #pragma once
+#include <span>
 #include <variant>
+#include <vector>
 
 #include "animate_plan.h"
 #include "mien/models/default/default_model.h"
@@ -14,11 +16,18 @@ using Performer = std::variant<DefaultModel, FaceModel, SaidModel>;
 /// Errors: those of loading a model.
 Result<Performer> load_performer(const AnimateArguments& arguments, const AnimatePlan& plan);
 
-/// Animates one recording and writes all its outputs, or none of those that are motion files. Frames go to
+/// How many of the next recordings to animate side by side: as many short ones as FaceDiffuser gains from,
+/// else 1.
+std::size_t num_clips_together(const AnimateArguments& arguments, const Performer& performer,
+                               std::span<const ClipPlan> next);
+
+/// Animates recordings and writes all outputs of each, or none of those that are motion files. Frames go to
 /// the files as they are made where the formats allow it.
-/// @return seconds of speech. Errors: what can be wrong with the recording (input), writing (failed), words
-/// that the model does not know (usage), cancelled
-Result<double> animate_clip(const AnimateArguments& arguments, const AnimatePlan& plan,
-                            const Performer& performer, const ClipPlan& clip, ConsoleProgress& progress);
+/// @param clips  num_clips_together() of them
+/// @return of each recording the seconds of its speech. Errors: what can be wrong with it (input), writing
+/// (failed), words that the model does not know (usage), cancelled
+std::vector<Result<double>> animate_clips(const AnimateArguments& arguments, const AnimatePlan& plan,
+                                          const Performer& performer, std::span<const ClipPlan> clips,
+                                          ConsoleProgress& progress);
 
 }  // namespace mien

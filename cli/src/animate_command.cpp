@@ -43,29 +43,37 @@ void tell_start(const AnimateArguments& a, const AnimatePlan& p, ConsoleProgress
 // A recording that cannot be animated is no reason to lose the others; a wrong word or an interruption is.
 bool concerns_all(const Error& error) { return error.code == Errc::usage || error.code == Errc::cancelled; }
 
-// Recordings one after the other, with the model loaded once.
-Status animate_clips(const AnimateArguments& a, const AnimatePlan& p, const Performer& performer,
-                     Clock::time_point start, ConsoleProgress& progress) {
+// Several recordings, with the model loaded once.
+Status animate_all(const AnimateArguments& a, const AnimatePlan& p, const Performer& performer,
+                   Clock::time_point start, ConsoleProgress& progress) {
   std::vector<Output> written;
   std::string failed;
   int num_failed = 0;
   double speech_seconds = 0;
-  for (const ClipPlan& clip : p.clips) {
-    const auto clip_start = Clock::now();
-    const std::string input = "\"input\":" + json_string(clip.speech.string()) + ",";
-    const auto seconds = animate_clip(a, p, performer, clip, progress);
-    if (!seconds) {
-      if (concerns_all(seconds.error())) return seconds.error();
-      ++num_failed;
-      failed += (failed.empty() ? "'" : ", '") + clip.speech.string() + "'";
-      report_error(seconds.error(), progress, "clip_failed", input);
-      continue;
+  for (std::span<const ClipPlan> rest = p.clips; !rest.empty();) {
+    const auto clips = rest.first(num_clips_together(a, performer, rest));
+    rest = rest.subspan(clips.size());
+    const auto clips_start = Clock::now();
+    const auto seconds = animate_clips(a, p, performer, clips, progress);
+    double together = 0;
+    for (const auto& own : seconds) together += own ? *own : 0;
+    const double taken_together = seconds_since(clips_start);
+    for (std::size_t i = 0; i < clips.size(); ++i) {
+      const ClipPlan& clip = clips[i];
+      const std::string input = "\"input\":" + json_string(clip.speech.string()) + ",";
+      if (!seconds[i]) {
+        if (concerns_all(seconds[i].error())) return seconds[i].error();
+        ++num_failed;
+        failed += (failed.empty() ? "'" : ", '") + clip.speech.string() + "'";
+        report_error(seconds[i].error(), progress, "clip_failed", input);
+        continue;
+      }
+      speech_seconds += *seconds[i];
+      written.insert(written.end(), clip.outputs.begin(), clip.outputs.end());
+      const double taken = taken_together * *seconds[i] / together;
+      progress.event("clip", input + outcome_json(clip.outputs, *seconds[i], taken, a.words.seed));
+      progress.say(outcome_text(output_list(clip.outputs), *seconds[i], taken, a.words.seed));
     }
-    speech_seconds += *seconds;
-    written.insert(written.end(), clip.outputs.begin(), clip.outputs.end());
-    const double taken = seconds_since(clip_start);
-    progress.event("clip", input + outcome_json(clip.outputs, *seconds, taken, a.words.seed));
-    progress.say(outcome_text(output_list(clip.outputs), *seconds, taken, a.words.seed));
   }
   const std::string count = std::to_string(p.clips.size());
   if (num_failed > 0)
@@ -88,10 +96,11 @@ Status run_animate(const AnimateArguments& a, ConsoleProgress& progress) {
   tell_start(a, *plan, progress);
   MIEN_TRY([[maybe_unused]] const auto prepared, prepare_outputs(*plan, progress));
   MIEN_TRY(const Performer performer, load_performer(a, *plan));
-  if (plan->clips.size() > 1) return animate_clips(a, *plan, performer, start, progress);
+  if (plan->clips.size() > 1) return animate_all(a, *plan, performer, start, progress);
 
   const ClipPlan& clip = plan->clips.front();
-  MIEN_TRY(const double seconds, animate_clip(a, *plan, performer, clip, progress));
+  MIEN_TRY(const double seconds,
+           std::move(animate_clips(a, *plan, performer, plan->clips, progress).front()));
   const double taken = seconds_since(start);
   progress.event("success", outcome_json(clip.outputs, seconds, taken, a.words.seed));
   progress.say(outcome_text(output_list(clip.outputs), seconds, taken, a.words.seed));

@@ -87,6 +87,26 @@ TEST_F(AnimateFaceTest, StreamsTheBitsOfTheMotionInMemory) {
   EXPECT_EQ(read_npy(bytes_of("b.npy"))->shape.front(), 118) << "49 frames at 25 fps";
 }
 
+TEST_F(AnimateFaceTest, RecordingsSideBySideGiveWhatEachGivesAlone) {
+  write_wav("one.wav", syllables(1));
+  write_wav("six.wav", syllables(6));
+  write("letter.wav", "no recording at all");
+  const std::vector<std::string> how = {"--model", "mesh.safetensors", "--seed", "5", "--takes", "2"};
+  const auto animated = [&](std::vector<std::string> words) {
+    words.insert(words.begin(), "animate");
+    words.insert(words.end(), how.begin(), how.end());
+    return mien(words);
+  };
+  const auto all = animated({"one.wav", "letter.wav", "six.wav", "-o", "{name}.npy"});
+  EXPECT_EQ(all.exit_code, 1);
+  EXPECT_THAT(all.err, HasSubstr("1 of 3 recordings: failed: 'letter.wav'"));
+  for (const std::string name : {"one", "six"}) {
+    ASSERT_EQ(animated({name + ".wav", "-o", "alone.npy"}).exit_code, 0);
+    for (const std::string take : {"-1.npy", "-2.npy"})
+      EXPECT_EQ(bytes_of(name + take), bytes_of("alone" + take)) << name << take;
+  }
+}
+
 TEST_F(AnimateFaceTest, AFullDiskIsSaidAndLeavesNothing) {
   write_wav("long.wav", syllables(23));
   const auto before = files();

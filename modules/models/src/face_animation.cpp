@@ -191,40 +191,64 @@ Tensor style_of(const facediffuser::VertexDenoiser<Tensor>& network, const Condi
   return network.style(Operations<Tensor>::one_hot({}, given.style, network.sizes.num_subjects));
 }
 
-// One walk for all takes, side by side through the same weights.
+// One walk for all takes of all clips, side by side through the same weights.
+class SharedWalk {
+ public:
+  SharedWalk(const FaceModel::Parts& model, const Conditions& given, const FaceOptions& options,
+             const DiffusionProcess& process, std::size_t num_clips, int num_takes, int num_threads)
+      : model_(model), num_takes_(num_takes), num_threads_(num_threads) {
+    for (int take = 0; take < num_takes; ++take)
+      noise_.push_back(noise_of(take, model.folded->noise_width, options));
+    std::vector<facediffuser::Lane> lanes;
+    for (std::size_t lane = 0; lane < num_clips * noise_.size(); ++lane) {
+      facediffuser::Lane own;
+      own.noise = &noise_[lane % noise_.size()];
+      if (model.vertices != nullptr) {
+        own.style = style_of(*model.vertices, given);
+        own.neutral = given.neutral;
+      }
+      lanes.push_back(std::move(own));
+    }
+    if (options.kept) kept_ = scaled(model.description, *options.kept);
+    diffusion_.emplace(model.folded, process,
+                       facediffuser::Walk{options.sampler, options.skip, kept_ ? &*kept_ : nullptr},
+                       std::move(lanes), num_threads);
+  }
+  SharedWalk(const SharedWalk&) = delete;
+  SharedWalk& operator=(const SharedWalk&) = delete;
+
+  // The next frames. @param speech  of each clip aligned features [F, f H], F equal
+  void advance(std::span<const Tensor> speech) {
+    std::vector<Tensor> lanes;
+    for (const Tensor& clip : speech) lanes.insert(lanes.end(), noise_.size(), clip);
+    frames_ = diffusion_->next(lanes);
+  }
+  // The first `count` of the last frames of a clip.
+  Status hand_out_clip(std::size_t clip, std::int64_t count, const FrameSink& sink) {
+    return hand_out(num_takes_, num_threads_, sink, [&](int take) -> std::span<const float> {
+      Tensor& own = frames_[clip * noise_.size() + static_cast<std::size_t>(take)];
+      unscale(model_.description, own);
+      return own.values().first(static_cast<std::size_t>(count * own.width()));
+    });
+  }
+
+ private:
+  const FaceModel::Parts& model_;
+  int num_takes_, num_threads_;
+  std::vector<SeededFrameNoise> noise_;  // by take
+  std::optional<KeptValues> kept_;
+  std::optional<facediffuser::FrameDiffusion> diffusion_;
+  std::vector<Tensor> frames_;  // clip by clip, of each take [F, D]
+};
+
 Result<MakeFrames> diffusing(const FaceModel::Parts& model, const Conditions& given,
                              const FaceOptions& options, int num_takes, int num_threads,
                              const FrameSink& sink) {
   MIEN_TRY(const DiffusionProcess process, diffusion_process(model, options));
-  struct Work {
-    std::vector<SeededFrameNoise> noise;
-    std::optional<KeptValues> kept;
-    std::optional<facediffuser::FrameDiffusion> diffusion;
-  };
-  const auto work = std::make_shared<Work>();
-  for (int take = 0; take < num_takes; ++take)
-    work->noise.push_back(noise_of(take, model.folded->noise_width, options));
-  std::vector<facediffuser::Lane> lanes;
-  for (const auto& own : work->noise) {
-    facediffuser::Lane lane;
-    lane.noise = &own;
-    if (model.vertices != nullptr) {
-      lane.style = style_of(*model.vertices, given);
-      lane.neutral = given.neutral;
-    }
-    lanes.push_back(std::move(lane));
-  }
-  if (options.kept) work->kept = scaled(model.description, *options.kept);
-  const facediffuser::Walk walk{options.sampler, options.skip, work->kept ? &*work->kept : nullptr};
-  work->diffusion.emplace(model.folded, process, walk, std::move(lanes), num_threads);
-  return MakeFrames([&model, &sink, work, num_takes, num_threads](const Tensor& speech) -> Status {
-    const std::vector<Tensor> same(static_cast<std::size_t>(num_takes), speech);
-    std::vector<Tensor> frames = work->diffusion->next(same);
-    return hand_out(num_takes, num_threads, sink, [&](int take) -> std::span<const float> {
-      Tensor& own = frames[static_cast<std::size_t>(take)];
-      unscale(model.description, own);
-      return own.values();
-    });
+  const auto walk = std::make_shared<SharedWalk>(model, given, options, process, 1, num_takes, num_threads);
+  return MakeFrames([&sink, walk](const Tensor& speech) -> Status {
+    walk->advance(std::span(&speech, 1));
+    return walk->hand_out_clip(0, speech.num_rows(), sink);
   });
 }
 
@@ -289,35 +313,146 @@ MakeFrames predicting(const FaceModel::Parts& model, const Conditions& given, in
   };
 }
 
+// Speech that was read once, for its loudness and length.
+struct HeardSpeech {
+  SpeechStatistics statistics;
+  std::int64_t num_features;
+  Alignment alignment;
+  double seconds;
+};
+
+Result<HeardSpeech> hear(const FaceModel::Parts& model, SampleSource& speech) {
+  MIEN_TRY(SpeechStatistics statistics, model.encoder.hear(speech));
+  const double fps = model.description.output.fps;
+  const std::int64_t num_samples = statistics.samples.num_samples();
+  const std::int64_t num_features = model.encoder.config().num_frames(num_samples);
+  const bool is_diffusion = model.facexhubert == nullptr;
+  Alignment alignment = align_features(
+      num_features, is_diffusion ? num_diffuser_frames(num_samples, fps) : num_features / 2, fps);
+  if (alignment.num_frames < 1)
+    return Error{Errc::input, "speech",
+                 "is too short: " + std::to_string(num_samples) + " samples at 16 kHz give no frame",
+                 "At least two frames' time is needed"};
+  return HeardSpeech{std::move(statistics), num_features, std::move(alignment),
+                     static_cast<double>(num_samples) / kModelSampleRateHz};
+}
+
+// Reads the speech again and makes its frames, block after block, in a stage of the progress called `stage`.
+Status encode(const FaceModel::Parts& model, SampleSource& speech, const HeardSpeech& heard,
+              const FaceOptions& options, int num_threads, MakeFrames make, const char* stage,
+              Progress& progress) {
+  progress.stage("encoding", 0);
+  FeatureFeed feed(heard.alignment, heard.num_features, std::move(make), progress);
+  const bool is_long = !options.windows && heard.seconds > kLongSpeech_s;
+  const EncodeOptions encoding{
+      .num_threads = num_threads,
+      .num_frames = 0,
+      .windows = is_long ? windows_of(kLongSpeechWindow_s) : options.windows.value_or(EncoderWindows()),
+      .on_hidden = {}};
+  bool is_first = true;
+  const Status encoded =
+      model.encoder.encode(speech, heard.statistics, encoding, [&](const Tensor& features) {
+        if (std::exchange(is_first, false)) progress.stage(stage, heard.alignment.num_frames);
+        if (feed.status()) feed.push(features);
+      });
+  if (!encoded) return encoded.error();
+  if (!feed.status()) return feed.status().error();
+  contract(feed.is_finished(), "animate: the encoder gave fewer frames than its configuration says");
+  Status status = Done{};
+  if (is_long) status.warnings.push_back(windows_warning(heard.seconds));
+  return status;
+}
+
+// `count` rows of a block, or zeros where there is none: a clip that has ended waits for the longer ones.
+Tensor padded(const std::vector<Tensor>& blocks, std::size_t block, std::int64_t count, std::int64_t width) {
+  Tensor out({count, width});
+  if (block < blocks.size()) std::copy_n(blocks[block].data(), blocks[block].count(), out.data());
+  return out;
+}
+
+// The walk of several clips. @param blocks  of each clip; of one that failed: none
+void walk_together(SharedWalk& walk, std::span<const FaceClip> clips,
+                   const std::vector<std::vector<Tensor>>& blocks, Progress& progress,
+                   std::vector<Status>& done) {
+  const auto fail_all = [&](const Error& error) {
+    for (std::size_t clip = 0; clip < clips.size(); ++clip)
+      if (done[clip]) done[clip] = error;
+  };
+  std::size_t num_blocks = 0;
+  std::int64_t num_frames = 0, width = 0;
+  for (const auto& own : blocks) num_blocks = std::max(num_blocks, own.size());
+  for (const auto& own : blocks)
+    if (!own.empty()) width = own.front().width();
+  progress.stage("animating", static_cast<std::int64_t>(num_blocks) * kBlockFrames);
+  for (std::size_t block = 0; block < num_blocks; ++block) {
+    if (progress.cancelled()) return fail_all({Errc::cancelled, "animating", "interrupted", ""});
+    std::int64_t count = 0;
+    for (const auto& own : blocks)
+      if (block < own.size()) count = std::max(count, own[block].num_rows());
+    std::vector<Tensor> speech;
+    for (const auto& own : blocks) speech.push_back(padded(own, block, count, width));
+    walk.advance(speech);
+    for (std::size_t clip = 0; clip < clips.size(); ++clip) {
+      if (!done[clip] || block >= blocks[clip].size()) continue;
+      const Status taken = walk.hand_out_clip(clip, blocks[clip][block].num_rows(), clips[clip].sink);
+      if (!taken) done[clip] = taken.error();
+    }
+    progress.update(num_frames += kBlockFrames);
+  }
+}
+
 }  // namespace
+
+std::vector<Status> animate(const FaceModel& model, std::span<const FaceClip> clips,
+                            const FaceOptions& options, int num_takes, int num_threads, Progress& progress) {
+  const FaceModel::Parts& parts = model.parts();
+  std::vector<Status> done;
+  if (parts.folded == nullptr || clips.size() < 2) {
+    for (const FaceClip& clip : clips)
+      done.push_back(animate(model, *clip.speech, options, num_takes, num_threads, progress, clip.sink));
+    return done;
+  }
+  contract(num_takes >= 1 && options.kept == nullptr,
+           "animate: at least one take is needed, and an edit is of one clip");
+  const auto given = conditions(parts, options);
+  const auto process = diffusion_process(parts, options);
+  if (!given || !process) return std::vector<Status>(clips.size(), given ? process.error() : given.error());
+  std::vector<std::vector<Tensor>> blocks(clips.size());
+  const auto listen = [&](std::size_t clip) -> Status {
+    MIEN_TRY(const HeardSpeech heard, hear(parts, *clips[clip].speech));
+    const auto keep = [&](const Tensor& block) -> Status {
+      blocks[clip].push_back(block);
+      return Done{};
+    };
+    return encode(parts, *clips[clip].speech, heard, options, num_threads, keep, "encoding", progress);
+  };
+  for (std::size_t clip = 0; clip < clips.size(); ++clip) {
+    done.push_back(listen(clip));
+    if (!done.back()) blocks[clip].clear();
+  }
+  SharedWalk walk(parts, *given, options, *process, clips.size(), num_takes, num_threads);
+  walk_together(walk, clips, blocks, progress, done);
+  return done;
+}
 
 Status animate(const FaceModel& model, SampleSource& speech, const FaceOptions& options, int num_takes,
                int num_threads, Progress& progress, const FrameSink& sink) {
   contract(num_takes >= 1, "animate: at least one take is needed");
   const FaceModel::Parts& parts = model.parts();
   MIEN_TRY(const Conditions given, conditions(parts, options));
-  const double fps = parts.description.output.fps;
   progress.stage("hearing", 0);
-  MIEN_TRY(const SpeechStatistics heard, parts.encoder.hear(speech));
-  const std::int64_t num_samples = heard.samples.num_samples();
-  const std::int64_t num_features = parts.encoder.config().num_frames(num_samples);
-  const bool is_diffusion = parts.facexhubert == nullptr;
-  const Alignment alignment = align_features(
-      num_features, is_diffusion ? num_diffuser_frames(num_samples, fps) : num_features / 2, fps);
-  if (alignment.num_frames < 1)
-    return Error{Errc::input, "speech",
-                 "is too short: " + std::to_string(num_samples) + " samples at 16 kHz give no frame",
-                 "At least two frames' time is needed"};
+  MIEN_TRY(const HeardSpeech heard, hear(parts, speech));
   MakeFrames make;
   const auto plainly = [&](const auto& network) -> Status {
     MIEN_TRY(MakeFrames all, diffusing_plainly(parts, network, given, options, num_takes, progress, sink));
-    make = at_the_end(alignment.num_frames, std::move(all));
+    make = at_the_end(heard.alignment.num_frames, std::move(all));
     return Done{};
   };
   Status is_ready = Done{};
-  if (!is_diffusion) {
+  if (parts.facexhubert != nullptr) {
     make = predicting(parts, given, num_takes, num_threads, sink);
-    if (!parts.facexhubert->decoder.is_recurrent()) make = at_the_end(alignment.num_frames, std::move(make));
+    if (!parts.facexhubert->decoder.is_recurrent())
+      make = at_the_end(heard.alignment.num_frames, std::move(make));
   } else if (parts.folded != nullptr) {
     MIEN_TRY(make, diffusing(parts, given, options, num_takes, num_threads, sink));
   } else {
@@ -326,26 +461,7 @@ Status animate(const FaceModel& model, SampleSource& speech, const FaceOptions& 
                                          : plainly(parts.damm);
   }
   if (!is_ready) return is_ready.error();
-  progress.stage("encoding", 0);
-  FeatureFeed feed(alignment, num_features, std::move(make), progress);
-  const double speech_s = static_cast<double>(num_samples) / kModelSampleRateHz;
-  const bool is_long = !options.windows && speech_s > kLongSpeech_s;
-  const EncodeOptions encoding{
-      .num_threads = num_threads,
-      .num_frames = 0,
-      .windows = is_long ? windows_of(kLongSpeechWindow_s) : options.windows.value_or(EncoderWindows()),
-      .on_hidden = {}};
-  bool is_first = true;
-  const Status encoded = parts.encoder.encode(speech, heard, encoding, [&](const Tensor& features) {
-    if (std::exchange(is_first, false)) progress.stage("animating", alignment.num_frames);
-    if (feed.status()) feed.push(features);
-  });
-  if (!encoded) return encoded.error();
-  if (!feed.status()) return feed.status().error();
-  contract(feed.is_finished(), "animate: the encoder gave fewer frames than its configuration says");
-  Status status = Done{};
-  if (is_long) status.warnings.push_back(windows_warning(speech_s));
-  return status;
+  return encode(parts, speech, heard, options, num_threads, std::move(make), "animating", progress);
 }
 
 Result<std::vector<Motion>> animate(const FaceModel& model, const AudioClip& clip, const FaceOptions& options,

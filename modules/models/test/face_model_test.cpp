@@ -90,6 +90,38 @@ TEST(FaceModel, EncodesInPiecesAndInFewerBits) {
   EXPECT_NE(rounded->front().values, whole->front().values);
 }
 
+// Six seconds are more than one block of frames, so two of the three end before the last.
+TEST(FaceModel, RecordingsSideBySideGiveWhatEachGivesAlone) {
+  const auto model = FaceModel::load(write_mesh_model());
+  ASSERT_TRUE(model) << model.error().message();
+  Progress progress;
+  FaceOptions options;
+  options.seed = 4;
+  const std::vector<AudioClip> speech = {clip(1.3), clip(6), clip(0.001), clip(2)};
+  std::vector<std::vector<std::vector<float>>> got(speech.size(), std::vector<std::vector<float>>(2));
+  std::vector<SamplesInMemory> sources;
+  for (const auto& one : speech) sources.emplace_back(one.samples);
+  std::vector<FaceClip> clips;
+  for (std::size_t i = 0; i < speech.size(); ++i)
+    clips.push_back({&sources[i], [&own = got[i]](int take, std::span<const float> values) -> Status {
+                       auto& frames = own[static_cast<std::size_t>(take)];
+                       frames.insert(frames.end(), values.begin(), values.end());
+                       return Done{};
+                     }});
+  const auto done = animate(*model, clips, options, 2, 2, progress);
+  ASSERT_EQ(done.size(), speech.size());
+  for (std::size_t i = 0; i < speech.size(); ++i) {
+    const auto alone = animate(*model, speech[i], options, 2, 1, progress);
+    ASSERT_EQ(static_cast<bool>(alone), i != 2);
+    ASSERT_EQ(static_cast<bool>(done[i]), i != 2);
+    if (!alone) {
+      EXPECT_EQ(done[i].error().message(), alone.error().message());
+      continue;
+    }
+    for (std::size_t take = 0; take < 2; ++take) EXPECT_EQ(got[i][take], (*alone)[take].values) << i;
+  }
+}
+
 TEST(FaceModel, TakesLongSpeechInWindowsAndSaysSo) {
   const auto model = FaceModel::load(write_mesh_model());
   ASSERT_TRUE(model) << model.error().message();

@@ -1,6 +1,8 @@
 #pragma once
 #include <filesystem>
 #include <memory>
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -66,6 +68,16 @@ class FaceModel {
 /// model does not know (usage), cancelled, those of source and sink.
 Status animate(const FaceModel& model, SampleSource& speech, const FaceOptions& options, int num_takes,
                int num_threads, Progress& progress, const FrameSink& sink);
+/// One of several recordings, and where its frames go.
+struct FaceClip {
+  SampleSource* speech;
+  FrameSink sink;
+};
+/// Several recordings: FaceDiffuser walks them side by side through the same weights, which is several times
+/// as fast for short ones; features of all are held until then. Each gives the bits that it gives alone.
+/// @return of each recording what animate() returns; one that fails takes no other with it
+std::vector<Status> animate(const FaceModel& model, std::span<const FaceClip> clips,
+                            const FaceOptions& options, int num_takes, int num_threads, Progress& progress);
 /// The same with the motions in memory.
 Result<std::vector<Motion>> animate(const FaceModel& model, const AudioClip& clip, const FaceOptions& options,
                                     int num_takes, int num_threads, Progress& progress);

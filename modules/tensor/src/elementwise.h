@@ -17,6 +17,8 @@ struct Kernels {
                          std::int64_t width, float* out);
   /// out = exp(in - max) / sum over one row; out may be in.
   void (*softmax_row)(const float* in, std::int64_t width, float* out);
+  /// out[i] = the bfloat16 nearest to in[i], ties to even; NaN stays NaN.
+  void (*round_to_bfloat16)(const float* in, std::uint16_t* out, std::int64_t count);
   /// One row of a GRU with gates r, z, n: gi, gh [3 H] are both projections, h [H] the state before, out [H]
   /// after.
   void (*gru_row)(const float* gi, const float* gh, const float* h, std::int64_t width, float* out);

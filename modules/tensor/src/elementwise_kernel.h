@@ -8,6 +8,8 @@ namespace {
 
 typedef float Floats __attribute__((vector_size(kWidth * 4)));
 typedef std::int32_t Ints __attribute__((vector_size(kWidth * 4)));
+typedef std::uint32_t Words __attribute__((vector_size(kWidth * 4)));
+typedef std::uint16_t HalfWords __attribute__((vector_size(kWidth * 2)));
 
 inline Floats all(float value) { return value - Floats{}; }
 inline Floats load(const float* p) {
@@ -133,15 +135,47 @@ void layer_norm_row(const float* in, const float* gamma, const float* beta, doub
     out[i] = static_cast<float>((static_cast<double>(in[i]) - mean) * scale) * gamma[i] + beta[i];
 }
 
+/// The largest of a row; of one that holds NaN, any value: the softmax of such a row is NaN in any case.
+float largest_of(const float* in, std::int64_t width) {
+  float largest = in[0];
+  Floats lanes = all(largest);
+  std::int64_t i = 0;
+  for (; i + kWidth <= width; i += kWidth) {
+    const Floats x = load(in + i);
+    lanes = x > lanes ? x : lanes;
+  }
+  for (int k = 0; k < kWidth; ++k) largest = lanes[k] > largest ? lanes[k] : largest;
+  for (; i < width; ++i) largest = in[i] > largest ? in[i] : largest;
+  return largest;
+}
+
 void softmax_row(const float* in, std::int64_t width, float* out) {
   if (width == 0) return;
-  float largest = in[0];
-  for (std::int64_t i = 1; i < width; ++i) largest = in[i] > largest ? in[i] : largest;
+  const float largest = largest_of(in, width);
   for (std::int64_t i = 0; i < width; ++i) out[i] = in[i] - largest;
   map<Exp>(out, out, width);
   const auto sum =
       static_cast<float>(ordered_sum(width, [&](std::int64_t i) { return static_cast<double>(out[i]); }));
   for (std::int64_t i = 0; i < width; ++i) out[i] /= sum;
+}
+
+inline HalfWords bfloat16_of(Floats x) {
+  const Words bits = (Words)x, kept = bits >> 16;
+  const Words rounded = (bits + 0x7fffu + (kept & 1u)) >> 16;
+  return __builtin_convertvector((bits & 0x7fffffffu) > 0x7f800000u ? (kept | 0x40u) : rounded, HalfWords);
+}
+
+void round_to_bfloat16(const float* in, std::uint16_t* out, std::int64_t count) {
+  std::int64_t i = 0;
+  for (; i + kWidth <= count; i += kWidth) {
+    const HalfWords h = bfloat16_of(load(in + i));
+    __builtin_memcpy(out + i, &h, sizeof h);
+  }
+  if (i == count) return;
+  float rest[kWidth] = {};
+  for (std::int64_t k = i; k < count; ++k) rest[k - i] = in[k];
+  const HalfWords h = bfloat16_of(load(rest));
+  for (std::int64_t k = i; k < count; ++k) out[k] = h[k - i];
 }
 
 inline Floats gru(Floats ri, Floats zi, Floats ni, Floats rh, Floats zh, Floats nh, Floats h) {
@@ -171,6 +205,7 @@ Kernels kernels() {
   return {{map<Exp>, map<Sigmoid>, map<Tanh>, map<Silu>, map<Gelu>, map<Relu>, map<Mish>},
           layer_norm_row,
           softmax_row,
+          round_to_bfloat16,
           gru_row};
 }
 

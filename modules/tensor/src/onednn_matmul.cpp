@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "backends.h"
+#include "elementwise_dispatch.h"
 
 namespace mien {
 namespace {
@@ -56,12 +57,6 @@ dnnl::matmul::primitive_desc describe(const Types& types, std::int64_t m, std::i
 dnnl::memory over(const dnnl::memory::desc& desc, const void* data) {
   return {desc, engine(),
           const_cast<void*>(data)};  // the interface has no constant memory; inputs are only read
-}
-
-std::uint16_t round_to_bfloat(float value) {
-  const auto bits = std::bit_cast<std::uint32_t>(value);
-  if (std::isnan(value)) return static_cast<std::uint16_t>((bits >> 16) | 0x40u);
-  return static_cast<std::uint16_t>((bits + 0x7fffu + ((bits >> 16) & 1u)) >> 16);
 }
 
 /// Rounds a row to 8 bits, symmetric, and returns the size of one step. NaN for a row that is not finite.
@@ -138,9 +133,9 @@ class OnednnKernel final : public PackedMatrix::Kernel {
 
   void run_bf16(const View& x, const float* bias, float* y, int num_threads) const {
     std::vector<std::uint16_t> narrow(static_cast<std::size_t>(x.rows * num_inputs_));
+    const auto round = elementwise::best_kernels().round_to_bfloat16;
     for (std::int64_t m = 0; m < x.rows; ++m)
-      std::transform(x.data + m * x.stride, x.data + m * x.stride + num_inputs_,
-                     narrow.data() + m * num_inputs_, round_to_bfloat);
+      round(x.data + m * x.stride, narrow.data() + m * num_inputs_, num_inputs_);
     execute(x.rows, num_inputs_, narrow.data(), bias, y, num_threads);
   }
 

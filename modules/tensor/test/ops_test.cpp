@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <functional>
@@ -207,6 +208,48 @@ TEST(Rows, EveryInstructionSetGivesTheSameBits) {
       results.push_back(y);
       EXPECT_TRUE(same_bits(y, results.front())) << instruction_set_name(set) << ", width " << width;
     }
+  }
+}
+
+TEST(Rows, SoftmaxOfARowWithNanIsNan) {
+  for (const auto set : usable_instruction_sets()) {
+    for (const std::int64_t at : {0, 1, 15, 16, 36}) {
+      Tensor x = random_tensor({37}, 4);
+      x.data()[at] = std::numeric_limits<float>::quiet_NaN();
+      std::vector<float> y(37);
+      elementwise::kernels_for(set).softmax_row(x.data(), 37, y.data());
+      for (const float v : y) EXPECT_TRUE(std::isnan(v)) << instruction_set_name(set) << ", NaN at " << at;
+    }
+  }
+}
+
+// The neighbours above and below that have 16 bits, and the nearer of them; of two equally near the even one.
+TEST(Rows, RoundsToTheNearestBfloat16) {
+  std::vector<float> values = {0.0f,   -0.0f,   1.0f, 1.00390625f, 1.01171875f, -1.00390625f,    3.14159f,
+                               1e-40f, -1e-45f, kInf, -kInf,       3.4e38f,     0x1.fffffep127f, 65504.0f};
+  const Tensor random = random_tensor({200}, 5, 10.0f);
+  values.insert(values.end(), random.data(), random.data() + random.count());
+  const auto wide = [](std::uint32_t high) { return std::bit_cast<float>(high << 16); };
+  for (const auto set : usable_instruction_sets()) {
+    std::vector<std::uint16_t> got(values.size());
+    elementwise::kernels_for(set).round_to_bfloat16(values.data(), got.data(),
+                                                    static_cast<std::int64_t>(values.size()));
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      const std::uint32_t below = std::bit_cast<std::uint32_t>(values[i]) >> 16;
+      // Beyond the largest number lies what would be the next one: infinity counts as 2^128.
+      const auto size = [&](std::uint32_t high) {
+        return std::isinf(wide(high)) ? 0x1p128 : std::abs(static_cast<double>(wide(high)));
+      };
+      const double own = std::isinf(values[i]) ? 0x1p128 : std::abs(static_cast<double>(values[i]));
+      const double down = own - size(below), up = size(below + 1) - own;
+      const std::uint32_t want = down < up || (down == up && below % 2 == 0) ? below : below + 1;
+      EXPECT_EQ(got[i], std::isinf(values[i]) ? below : want)
+          << instruction_set_name(set) << ", " << values[i];
+    }
+    const float nan = std::bit_cast<float>(0x7f800001u);
+    std::uint16_t one = 0;
+    elementwise::kernels_for(set).round_to_bfloat16(&nan, &one, 1);
+    EXPECT_TRUE(std::isnan(wide(one)));
   }
 }
 

@@ -3,7 +3,6 @@
 // float32. encoder_torch_bench.cpp is the same on LibTorch.
 #include <benchmark/benchmark.h>
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <memory>
@@ -22,14 +21,7 @@ const EncoderRuntime& encoder(EncoderPrecision precision) {
   static std::array<std::unique_ptr<EncoderRuntime>, 3> encoders;
   auto& slot = encoders[static_cast<std::size_t>(precision)];
   if (!slot) {
-    SpeechEncoder<PlainWeights> weights{EncoderConfig{}};
-    FillAtRandom fill([](const Shape& shape, std::vector<float>& values) {
-      PlainWeights w(shape);
-      std::copy(values.begin(), values.end(), w.values().begin());
-      return w;
-    });
-    weights.visit(fill);
-    slot = std::make_unique<EncoderRuntime>(std::move(weights), precision);
+    slot = std::make_unique<EncoderRuntime>(random_encoder(), precision);
   }
   return *slot;
 }

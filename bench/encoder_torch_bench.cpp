@@ -4,11 +4,9 @@
 #include <benchmark/benchmark.h>
 #include <torch/torch.h>
 
-#include <algorithm>
 #include <memory>
 
 #include "mien/models/speech_encoder/encoder_runtime.h"
-#include "mien/nn/plain_weights.h"
 #include "mien/nn/runtime_operations.h"
 #include "mien/train/torch_operations.h"
 #include "random_encoder.h"
@@ -42,14 +40,7 @@ void torch_encoder(benchmark::State& state) {
                          benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
   torch::set_num_threads(usual);
 
-  SpeechEncoder<PlainWeights> weights{EncoderConfig{}};
-  FillAtRandom fill_plain([](const Shape& shape, std::vector<float>& values) {
-    PlainWeights w(shape);
-    std::copy(values.begin(), values.end(), w.values().begin());
-    return w;
-  });
-  weights.visit(fill_plain);
-  const auto packed = EncoderRuntime(std::move(weights)).encode(noise_like_speech(kSeconds));
+  const auto packed = EncoderRuntime(random_encoder()).encode(noise_like_speech(kSeconds));
   if (!packed) return state.SkipWithError(packed.error().message().c_str());
   const torch::Tensor want =
       torch::from_blob(const_cast<float*>(packed->data()), packed->shape(), torch::kFloat);

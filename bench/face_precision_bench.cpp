@@ -22,16 +22,9 @@ namespace {
 constexpr double kSeconds = 4;
 
 Tensor hidden_states(EncoderPrecision precision) {
-  SpeechEncoder<PlainWeights> weights{EncoderConfig{}};
-  FillAtRandom fill([](const Shape& shape, std::vector<float>& values) {
-    PlainWeights w(shape);
-    std::copy(values.begin(), values.end(), w.values().begin());
-    return w;
-  });
-  weights.visit(fill);
   EncodeOptions options;
   options.num_threads = hardware_threads();
-  auto hidden = EncoderRuntime(std::move(weights), precision).encode(noise_like_speech(kSeconds), options);
+  auto hidden = EncoderRuntime(random_encoder(), precision).encode(noise_like_speech(kSeconds), options);
   if (!hidden) throw std::runtime_error(hidden.error().message());
   return std::move(*hidden);
 }

@@ -1,9 +1,12 @@
 #pragma once
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
 #include "mien/base/random.h"
+#include "mien/models/speech_encoder/network.h"
 #include "mien/nn/parameters.h"
+#include "mien/nn/plain_weights.h"
 
 namespace mien {
 
@@ -39,6 +42,18 @@ class FillAtRandom : public ParameterVisitor<FillAtRandom<Make>> {
   Make make_;
   std::uint64_t seed_ = 0;
 };
+
+/// HuBERT-base with such weights.
+inline SpeechEncoder<PlainWeights> random_encoder() {
+  SpeechEncoder<PlainWeights> weights{EncoderConfig{}};
+  FillAtRandom fill([](const Shape& shape, std::vector<float>& values) {
+    PlainWeights w(shape);
+    std::copy(values.begin(), values.end(), w.values().begin());
+    return w;
+  });
+  weights.visit(fill);
+  return weights;
+}
 
 /// Noise with the spectrum of speech, roughly. @return samples at 16 kHz
 inline std::vector<float> noise_like_speech(double seconds) {

@@ -1,7 +1,6 @@
 // mien data: what a data set lacks, and recordings brought into the form that training reads.
 #include "data_command.h"
 
-#include <cstdio>
 #include <memory>
 #include <optional>
 
@@ -11,6 +10,7 @@
 #include "mien/datasets/check.h"
 #include "mien/datasets/prepare.h"
 #include "options.h"
+#include "printing.h"
 
 namespace mien {
 namespace {
@@ -75,8 +75,7 @@ Status run_check(const DataArguments& a, ConsoleProgress& progress) {
   MIEN_TRY(const DatasetReport report, check_dataset(dataset, {.read_values = a.read_values}, progress));
   progress.finish_line();
   const Facts facts = facts_of(dataset, report);
-  std::fputs((a.json ? facts.to_json() : facts.to_text()).c_str(), stdout);
-  if (std::fflush(stdout) != 0) return Error{Errc::failed, "standard output", "cannot be written", ""};
+  MIEN_TRY([[maybe_unused]] const auto printed, print(a.json ? facts.to_json() : facts.to_text()));
   if (!report.problems.empty())
     return Error{Errc::input, "data set '" + a.folder + "'",
                  "has " + std::to_string(report.problems.size()) +

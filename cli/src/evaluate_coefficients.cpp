@@ -2,7 +2,6 @@
 #include "evaluate_coefficients.h"
 
 #include <cmath>
-#include <cstdio>
 #include <map>
 #include <memory>
 #include <set>
@@ -20,6 +19,7 @@
 #include "mien/metrics/statistics.h"
 #include "mien/models/said/vae.h"
 #include "options.h"
+#include "printing.h"
 
 namespace mien {
 namespace {
@@ -30,7 +30,7 @@ struct CoefficientArguments {
   std::string generated, truth, codec, speech, split = "all";
   int repeats = 10;
   std::uint64_t seed = 0;
-  bool json = false, markdown = false;
+  TableForm form;
   int threads = hardware_threads();
 };
 
@@ -215,12 +215,7 @@ Status evaluate_coefficients(const CoefficientArguments& a, ConsoleProgress& pro
   table.notes.push_back(
       "Codes are those of the codec '" + fs::path(a.codec).filename().string() +
       "'; those of another codec cannot be compared. Seed of the mixtures: " + std::to_string(a.seed));
-  std::string text = a.json ? to_json(table) + "\n" : a.markdown ? to_markdown(table) : to_text(table);
-  if (!a.json && !a.markdown)
-    for (const auto& r : table.rows) text += r.name + " = " + r.definition + "\n";
-  std::fputs(text.c_str(), stdout);
-  if (std::fflush(stdout) != 0) return Error{Errc::failed, "standard output", "cannot be written", ""};
-  return Done{};
+  return print(table, a.form, true);
 }
 
 }  // namespace
@@ -246,16 +241,14 @@ void add_coefficient_evaluation(CLI::App& evaluate, Chosen& chosen) {
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   command->add_option("--seed", a->seed, "Seed of those fits")->capture_default_str();
-  command->add_flag("--markdown", a->markdown, "Print the table as markdown");
-  command->add_flag("--quiet", chosen.quiet, "Print no progress");
-  command->add_flag("--json", chosen.json, "Print the table as JSON, progress as JSON lines on stderr");
+  add_table_options(*command, a->form, chosen);
   add_threads_option(*command, a->threads);
   add_footer(*command,
              "  mien evaluate coefficients generated BlendVOCA/coefficients --codec said_vae.safetensors "
              "--split test\n"
              "  mien evaluate coefficients generated truth --codec said_vae.safetensors --speech audio\n");
   command->callback([a, &chosen] {
-    a->json = chosen.json;
+    a->form.json = chosen.json;
     chosen.work = [a](ConsoleProgress& progress) { return evaluate_coefficients(*a, progress); };
   });
 }

@@ -1,5 +1,4 @@
 // mien evaluate: the measures of docs/quality.md, on people and on a stored corpus.
-#include <cstdio>
 
 #include "director.h"
 #include "evaluate_coefficients.h"
@@ -11,6 +10,7 @@
 #include "mien/metrics/synthetic_benchmark.h"
 #include "mien/models/animate.h"
 #include "options.h"
+#include "printing.h"
 #include "share.h"
 
 namespace mien {
@@ -23,7 +23,7 @@ struct EvaluateArguments {
   std::vector<std::string> only, splits;
   std::int64_t max_items = 0;
   int true_takes = 32;
-  bool json = false, markdown = false;
+  TableForm form;
   int threads = hardware_threads();
 };
 
@@ -51,13 +51,6 @@ Result<std::vector<Motion>> perform(const DefaultModel& model, const AudioClip& 
   return motions;
 }
 
-Status print(const MetricTable& table, const EvaluateArguments& a) {
-  const std::string text = a.json ? to_json(table) + "\n" : a.markdown ? to_markdown(table) : to_text(table);
-  std::fputs(text.c_str(), stdout);
-  if (std::fflush(stdout) != 0) return Error{Errc::failed, "standard output", "cannot be written", ""};
-  return Done{};
-}
-
 Status evaluate_people(const EvaluateArguments& a, ConsoleProgress& progress) {
   MIEN_TRY(const PerformOptions options, perform_options(a.words));
   MIEN_TRY(const DefaultModel model, load_model(a));
@@ -71,7 +64,7 @@ Status evaluate_people(const EvaluateArguments& a, ConsoleProgress& progress) {
   };
   const auto report = evaluate_human(a.folder, evaluation, progress);
   if (!report) return report.error();
-  return print(human_table(*report, a.draws), a);
+  return print(human_table(*report, a.draws), a.form, false);
 }
 
 Status evaluate_corpus(const EvaluateArguments& a, ConsoleProgress& progress) {
@@ -99,7 +92,7 @@ Status evaluate_corpus(const EvaluateArguments& a, ConsoleProgress& progress) {
   if (!report) return report.error();
   const std::string name = std::filesystem::weakly_canonical(a.folder).filename().string();
   const std::vector<NamedSyntheticReport> sets = {{name, std::move(*report)}};
-  return print(synthetic_table(sets, a.draws), a);
+  return print(synthetic_table(sets, a.draws), a.form, false);
 }
 
 std::shared_ptr<EvaluateArguments> add_common(CLI::App& command, Chosen& chosen) {
@@ -115,9 +108,7 @@ std::shared_ptr<EvaluateArguments> add_common(CLI::App& command, Chosen& chosen)
       .add_option("--draws", a->draws, "Bootstrap draws for the 95 % intervals, 0 to 100000; 0: no intervals")
       ->check(CLI::Range(0, 100000))
       ->capture_default_str();
-  command.add_flag("--markdown", a->markdown, "Print the table as markdown");
-  command.add_flag("--quiet", chosen.quiet, "Print no progress");
-  command.add_flag("--json", chosen.json, "Print the table as JSON, progress as JSON lines on stderr");
+  add_table_options(command, a->form, chosen);
   add_threads_option(command, a->threads);
   return a;
 }
@@ -156,7 +147,7 @@ void add_evaluate_command(CLI::App& program, Chosen& chosen) {
 
   const auto choose = [&chosen](CLI::App* app, std::shared_ptr<EvaluateArguments> a, auto work) {
     app->callback([&chosen, a, work] {
-      a->json = chosen.json;
+      a->form.json = chosen.json;
       chosen.work = [a, work](ConsoleProgress& progress) { return work(*a, progress); };
     });
   };

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cctype>
-#include <cstdio>
 #include <initializer_list>
 #include <limits>
 #include <memory>
@@ -22,6 +21,7 @@
 #include "mien/metrics/surface_distance.h"
 #include "mien/metrics/vertex_error.h"
 #include "options.h"
+#include "printing.h"
 
 namespace mien {
 namespace {
@@ -32,7 +32,8 @@ struct SequenceArguments {
   std::string predicted, truth, system, templates, mesh;
   std::vector<std::string> regions;
   int truth_every = 1, threads = hardware_threads();
-  bool per_sequence = false, json = false, markdown = false;
+  bool per_sequence = false;
+  TableForm form;
 };
 
 // Positions of an array of any number of vertices, every n-th frame.
@@ -81,15 +82,6 @@ Result<VertexRegions> read_regions(const std::vector<std::string>& files, std::i
 
 MetricRow row(std::string name, double value, std::string definition) {
   return {std::move(name), "", std::move(definition), "", 8, {{value, std::nullopt}}};
-}
-
-Status print(const MetricTable& table, const SequenceArguments& a) {
-  std::string text = a.json ? to_json(table) + "\n" : a.markdown ? to_markdown(table) : to_text(table);
-  if (!a.json && !a.markdown)
-    for (const auto& r : table.rows) text += r.name + " = " + r.definition + "\n";
-  std::fputs(text.c_str(), stdout);
-  if (std::fflush(stdout) != 0) return Error{Errc::failed, "standard output", "cannot be written", ""};
-  return Done{};
 }
 
 void tell_unpaired(const PairedSequences& paired, ConsoleProgress& progress) {
@@ -203,7 +195,7 @@ Status evaluate_vertices(const SequenceArguments& a, ConsoleProgress& progress) 
     }
   table.title = "Vertices: " + std::to_string(paired.pairs.size()) + " sequences, " +
                 std::to_string(all.num_frames()) + " frames; units of the data";
-  return print(table, a);
+  return print(table, a.form, true);
 }
 
 Status evaluate_controls(const SequenceArguments& a, ConsoleProgress& progress) {
@@ -248,7 +240,7 @@ Status evaluate_controls(const SequenceArguments& a, ConsoleProgress& progress) 
       table.rows.push_back(row("LCE " + e.name, e.lce, "of this sequence"));
       table.rows.push_back(row("C-FDD " + e.name, e.fdd, "of this sequence"));
     }
-  return print(table, a);
+  return print(table, a.form, true);
 }
 
 std::shared_ptr<SequenceArguments> add_common(CLI::App& command, Chosen& chosen) {
@@ -256,9 +248,7 @@ std::shared_ptr<SequenceArguments> add_common(CLI::App& command, Chosen& chosen)
   command.add_option("PREDICTED", a->predicted, "Predicted sequence, or a folder of them")->required();
   command.add_option("TRUTH", a->truth, "True sequence, or a folder of them")->required();
   command.add_flag("--per-sequence", a->per_sequence, "Also print every sequence");
-  command.add_flag("--markdown", a->markdown, "Print the table as markdown");
-  command.add_flag("--quiet", chosen.quiet, "Print no progress");
-  command.add_flag("--json", chosen.json, "Print the table as JSON, progress as JSON lines on stderr");
+  add_table_options(command, a->form, chosen);
   return a;
 }
 
@@ -294,7 +284,7 @@ void add_sequence_evaluations(CLI::App& evaluate, Chosen& chosen) {
   add_footer(*controls, "  mien evaluate controls result data/BEAT/vertices_npy --system beat\n");
   const auto choose = [&chosen](CLI::App* app, std::shared_ptr<SequenceArguments> a, auto work) {
     app->callback([&chosen, a, work] {
-      a->json = chosen.json;
+      a->form.json = chosen.json;
       chosen.work = [a, work](ConsoleProgress& progress) { return work(*a, progress); };
     });
   };

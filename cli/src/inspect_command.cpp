@@ -3,11 +3,11 @@
 #include <array>
 #include <cctype>
 #include <cmath>
-#include <cstdio>
 
 #include "inspect.h"
 #include "mien/audio/load_audio.h"
 #include "options.h"
+#include "printing.h"
 
 namespace mien {
 
@@ -65,9 +65,7 @@ Status run_inspect(const InspectArguments& a, bool json, ConsoleProgress& progre
   const auto facts = inspect(a.file);
   if (!facts) return facts.error();
   for (const auto& warning : facts.warnings) progress.warn(warning);
-  std::fputs((json ? facts->to_json() : facts->to_text()).c_str(), stdout);
-  if (std::fflush(stdout) != 0) return Error{Errc::failed, "standard output", "cannot be written", ""};
-  return Done{};
+  return print(json ? facts->to_json() : facts->to_text());
 }
 
 }  // namespace

@@ -17,6 +17,7 @@
 #include "mien/transfer/shape_transfer.h"
 #include "options.h"
 #include "outputs.h"
+#include "printing.h"
 #include "transfer_input.h"
 
 namespace mien {
@@ -177,8 +178,7 @@ Status run_transfer(const TransferArguments& a, ConsoleProgress& progress) {
   progress.finish_line();
   Facts facts = facts_of(a, made->report, markers.size());
   add_comparison(compare_shapes(made->shapes, own_shapes, not_compared), facts);
-  std::fputs((a.json ? facts.to_json() : facts.to_text()).c_str(), stdout);
-  if (std::fflush(stdout) != 0) return Error{Errc::failed, "standard output", "cannot be written", ""};
+  MIEN_TRY([[maybe_unused]] const auto printed, print(a.json ? facts.to_json() : facts.to_text()));
   const double taken = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   progress.event("success", "\"outputs\":[" + json_string(a.output) + "],\"shapes\":" +
                                 std::to_string(made->shapes.size()) + ",\"seconds\":" + fixed(taken, 3));

@@ -55,7 +55,7 @@ TEST(Take, RaisesAreWhatWithoutEventsLacks) {
   const Take take = draw_take(utterance, speaker("S02"), Emotion::neutral, 1, 6);
   ASSERT_FALSE(take.raises.empty());
   std::vector<bool> near_a_raise(static_cast<std::size_t>(take.motion.num_frames()), false);
-  for (const BrowRaise& raise : take.raises)
+  for (const BrowGesture& raise : take.raises)
     for (std::size_t n = 0; n < near_a_raise.size(); ++n)
       if (std::abs(static_cast<double>(n) / 60 - raise.centre_s) < 0.80) near_a_raise[n] = true;
   const std::size_t brow = arkit_index("browInnerUp"), outer = arkit_index("browOuterUpLeft"),
@@ -72,7 +72,7 @@ TEST(Take, RaisesAreWhatWithoutEventsLacks) {
     any_frame_without = any_frame_without || !near_a_raise[static_cast<std::size_t>(n)];
   }
   EXPECT_TRUE(any_frame_without);
-  for (const BrowRaise& raise : take.raises) {
+  for (const BrowGesture& raise : take.raises) {
     const auto n = std::min(static_cast<std::int64_t>(raise.centre_s * 60), take.motion.num_frames() - 1);
     EXPECT_GT(take.without_blinks.frame(n)[brow], take.without_events.frame(n)[brow] + 0.5 * raise.amplitude);
   }

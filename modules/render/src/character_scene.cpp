@@ -42,7 +42,7 @@ Scene character_scene(const Character& character, const PosedCharacter& posed) {
   Scene scene;
   for (std::size_t p = 0; p < posed.size(); ++p) {
     const CharacterPart& part = character.parts[p];
-    Surface surface;
+    SceneSurface surface;
     surface.positions = posed[p].positions;
     surface.normals = posed[p].normals;
     surface.triangles = part.mesh.triangles;

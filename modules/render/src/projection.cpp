@@ -105,14 +105,14 @@ Projection make_projection(const Camera& camera, int width, int height) {
 void to_view(const Scene& scene, const Projection& projection, int num_threads, ViewVertices& out) {
   out.first.clear();
   std::size_t count = 0;
-  for (const Surface& surface : scene.surfaces) {
+  for (const SceneSurface& surface : scene.surfaces) {
     out.first.push_back(count);
     count += surface.positions.size();
   }
   out.positions.resize(count);
   out.normals.resize(count);
   for (std::size_t s = 0; s < scene.surfaces.size(); ++s) {
-    const Surface& surface = scene.surfaces[s];
+    const SceneSurface& surface = scene.surfaces[s];
     for_blocks(num_threads, surface.positions.size(), [&](std::size_t begin, std::size_t end) {
       for (std::size_t v = begin; v < end; ++v) {
         out.positions[out.first[s] + v] = projection.rotate(surface.positions[v] - projection.origin);
@@ -126,7 +126,7 @@ void to_view(const Scene& scene, const Projection& projection, int num_threads, 
 void set_up_triangles(const Scene& scene, const ViewVertices& vertices, const Projection& projection,
                       int width, int height, int num_threads, std::vector<Triangle>& out) {
   std::size_t count = 0;
-  for (const Surface& surface : scene.surfaces) count += surface.triangles.size();
+  for (const SceneSurface& surface : scene.surfaces) count += surface.triangles.size();
   out.resize(count);
   std::size_t first = 0;
   for (std::size_t s = 0; s < scene.surfaces.size(); ++s) {

@@ -20,7 +20,7 @@ constexpr int kMaxSide = 8192;
 constexpr int kBand = 8;  // lines handed to a thread at a time
 
 void check(const Scene& scene) {
-  for (const Surface& s : scene.surfaces) {
+  for (const SceneSurface& s : scene.surfaces) {
     contract(s.normals.empty() || s.normals.size() == s.positions.size(),
              "render: one normal per vertex expected");
     contract(s.colors.empty() || s.colors.size() == s.positions.size(),

@@ -75,7 +75,7 @@ void write_attributes(const Scene& scene, const ViewVertices& vertices, const Tr
   if (sum > 0)
     for (int i = 0; i < 3; ++i) weight[i] = static_cast<float>(e[i] / sum);
 
-  const Surface& surface = scene.surfaces[t.surface];
+  const SceneSurface& surface = scene.surfaces[t.surface];
   Vec3 normal = t.flat_normal;
   if (!surface.normals.empty()) {
     normal = weight[0] * vertices.normals[t.corner[0]] + weight[1] * vertices.normals[t.corner[1]] +

@@ -10,7 +10,8 @@
 namespace mien {
 namespace {
 
-constexpr CameraView kAllViews[] = {CameraView::front, CameraView::portrait, CameraView::three_quarter, CameraView::side, CameraView::mouth};
+constexpr CameraView kAllViews[] = {CameraView::front, CameraView::portrait, CameraView::three_quarter,
+                                    CameraView::side, CameraView::mouth};
 
 Character ball_character() {
   Character character;
@@ -20,7 +21,7 @@ Character ball_character() {
 }
 
 Image picture(const Character& character, const Camera& camera, int width, int height) {
-  Surface s;
+  SceneSurface s;
   s.positions = character.parts[0].mesh.positions;
   s.triangles = character.parts[0].mesh.triangles;
   RenderOptions options;
@@ -51,7 +52,8 @@ TEST(Camera, ViewsHaveNames) {
 
 TEST(Camera, FramesTheWholeHeadTightlyInEveryViewAndShape) {
   const Character character = ball_character();
-  for (const CameraView view : {CameraView::front, CameraView::portrait, CameraView::three_quarter, CameraView::side})
+  for (const CameraView view :
+       {CameraView::front, CameraView::portrait, CameraView::three_quarter, CameraView::side})
     for (const auto& [w, h] : {std::pair(200, 200), std::pair(300, 150), std::pair(120, 240)}) {
       const Image image =
           picture(character, frame_character(character, view, static_cast<double>(w) / h), w, h);

@@ -14,8 +14,8 @@ struct Solid {
   std::vector<std::array<std::uint32_t, 3>> triangles;
   std::vector<std::array<float, 4>> colors;
 
-  [[nodiscard]] Surface surface(float gloss = 0) const {
-    Surface s;
+  [[nodiscard]] SceneSurface surface(float gloss = 0) const {
+    SceneSurface s;
     s.positions = positions;
     s.normals = normals;
     s.triangles = triangles;

@@ -51,9 +51,9 @@ void paint_phones(PreparedEntry& entry, const Utterance& spoken) {
 }
 
 // Amplitude in 1/255 at the frame of each raise's centre; the larger of two in one frame.
-std::vector<std::uint8_t> raise_track(std::span<const BrowRaise> raises, std::size_t frames) {
+std::vector<std::uint8_t> raise_track(std::span<const BrowGesture> raises, std::size_t frames) {
   std::vector<std::uint8_t> track(frames, 0);
-  for (const BrowRaise& raise : raises) {
+  for (const BrowGesture& raise : raises) {
     const double frame = std::floor(raise.centre_s * kFps);
     if (frame < 0 || frame >= static_cast<double>(frames)) continue;
     auto& slot = track[static_cast<std::size_t>(frame)];
@@ -97,7 +97,7 @@ PreparedEntry make_entry(std::span<const float> samples, const Utterance& spoken
   return entry;
 }
 
-Result<std::vector<PreparedEntry>> prepare_item(const ItemPlan& item, const PrepareOptions& options,
+Result<std::vector<PreparedEntry>> prepare_item(const ItemPlan& item, const PrepareSetOptions& options,
                                                 const BabblePool& pool) {
   const auto seed = options.plan.seed;
   MIEN_TRY(const Clip clip, speak_item(item, seed));
@@ -117,7 +117,7 @@ Result<std::vector<PreparedEntry>> prepare_item(const ItemPlan& item, const Prep
   return entries;
 }
 
-Result<PrepareSummary> prepare_set(const std::filesystem::path& path, const PrepareOptions& options,
+Result<PrepareSummary> prepare_set(const std::filesystem::path& path, const PrepareSetOptions& options,
                                    Progress& progress) {
   MIEN_TRY(auto writer, SetWriter::create(path, options.takes));
   progress.stage("choosing sentences", 0);

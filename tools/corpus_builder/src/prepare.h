@@ -10,7 +10,7 @@
 
 namespace mien {
 
-struct PrepareOptions {
+struct PrepareSetOptions {
   TrainingPlanOptions plan;
   int copies = 2;  ///< differently augmented copies of every item
   int takes = 3;   ///< per copy, each in a training style of its own
@@ -23,7 +23,7 @@ struct PrepareSummary {
 };
 
 /// All entries of one item: spoken once, then worsened, measured and performed for every copy.
-Result<std::vector<PreparedEntry>> prepare_item(const ItemPlan& item, const PrepareOptions& options,
+Result<std::vector<PreparedEntry>> prepare_item(const ItemPlan& item, const PrepareSetOptions& options,
                                                 const BabblePool& pool);
 
 /// Entry of one recording. @param name  decides the takes, together with the seed
@@ -33,7 +33,7 @@ PreparedEntry make_entry(std::span<const float> samples_16k, const Utterance& sp
 /// Plans, speaks and writes a prepared training set. The file depends on the options (without jobs) and the
 /// versions of the engines only. Items that fail are skipped with a warning. Errors: no engine, the disk,
 /// cancelled.
-Result<PrepareSummary> prepare_set(const std::filesystem::path& path, const PrepareOptions& options,
+Result<PrepareSummary> prepare_set(const std::filesystem::path& path, const PrepareSetOptions& options,
                                    Progress& progress);
 
 }  // namespace mien

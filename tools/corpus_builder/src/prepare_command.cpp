@@ -14,7 +14,7 @@ namespace mien {
 namespace {
 
 struct Arguments {
-  PrepareOptions options;
+  PrepareSetOptions options;
   std::string output;
   bool quiet = false;
 };

@@ -60,8 +60,8 @@ TEST(Forked, StopsWhenTheResultIsRefused) {
   EXPECT_EQ(taken, 3);
 }
 
-PrepareOptions small_options() {
-  PrepareOptions o;
+PrepareSetOptions small_options() {
+  PrepareSetOptions o;
   o.plan.hours = 0.03;
   o.plan.seed = 4;
   o.plan.valid_share = 0.2;

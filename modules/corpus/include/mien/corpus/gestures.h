@@ -27,7 +27,7 @@ struct GazeTrack {
 GazeTrack draw_gaze(const Speaker& speaker, std::int64_t num_frames, Rng& rng);
 
 /// A raise of the brows.
-struct BrowRaise {
+struct BrowGesture {
   double centre_s;   ///< middle of its hold
   double amplitude;  ///< coefficient of browInnerUp
 };
@@ -35,7 +35,7 @@ struct BrowRaise {
 /// Brow raises at accents and at the end of a question, and a slow drift around zero; coefficients.
 struct BrowTrack {
   std::vector<float> raise, drift;  // [N]; raise is the sum of all raises
-  std::vector<BrowRaise> raises;    ///< the same as events: accents in order, then the question
+  std::vector<BrowGesture> raises;  ///< the same as events: accents in order, then the question
 };
 BrowTrack draw_brows(const Speaker& speaker, const Utterance& utterance, std::int64_t num_frames, Rng& rng);
 

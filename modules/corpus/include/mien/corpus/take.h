@@ -19,8 +19,8 @@ struct Take {
   Motion motion;          ///< the whole performance: apply_blinks(without_blinks, blinks), bit for bit
   Motion without_blinks;  ///< the same with the lids where gaze and emotion leave them
   Motion without_events;  ///< without_blinks, and without raises of the brows
-  std::vector<BlinkEvent> blinks;  ///< in time order
-  std::vector<BrowRaise> raises;   ///< at accents, and at the end of a question
+  std::vector<BlinkEvent> blinks;   ///< in time order
+  std::vector<BrowGesture> raises;  ///< at accents, and at the end of a question
   /// z0 strength of the jaw, z1 of lips and rounding, z2 of the expression: N(0, 1). What a model of takes
   /// can be told.
   std::array<float, 3> latents{};

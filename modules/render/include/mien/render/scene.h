@@ -9,7 +9,7 @@
 namespace mien {
 
 /// One mesh to draw. The arrays belong to the caller and must outlive the picture.
-struct Surface {
+struct SceneSurface {
   std::span<const Vec3> positions;                          // [V] metres
   std::span<const std::array<std::uint32_t, 3>> triangles;  // [F] every index below V
   std::span<const Vec3> normals;                            // [V], or empty: each triangle is flat
@@ -19,7 +19,7 @@ struct Surface {
 };
 
 struct Scene {
-  std::vector<Surface> surfaces;
+  std::vector<SceneSurface> surfaces;
 };
 
 }  // namespace mien

@@ -33,20 +33,13 @@ struct RecordSaidStages : said::PassHooks<T> {
   std::vector<std::pair<std::string, T>>* stages = nullptr;
 };
 
-/// Convolutions are recorded channels first.
-inline Tensor transposed(const Tensor& x) {
-  Tensor y({x.width(), x.num_rows()});
-  for (std::int64_t r = 0; r < x.num_rows(); ++r)
-    for (std::int64_t c = 0; c < x.width(); ++c) y.data()[c * x.num_rows() + r] = x.data()[r * x.width() + c];
-  return y;
-}
-
 inline Tensor recorded_said_stage(const Fixture& recorded, const std::string& name, std::int64_t item) {
   const Shape& shape = recorded.file().find(name)->shape;
   if (shape.size() == 2) {  // of the step: [B, width]
     Tensor all({shape[0], shape[1]}, recorded.file().read_float(name).value());
     return rows(all, item, 1);
   }
+  // Convolutions are recorded channels first.
   const bool rows_first = name.ends_with(".attn1") || name.ends_with(".attn2") || name.ends_with(".ff");
   return rows_first ? recorded.slice(name, item) : transposed(recorded.slice(name, item));
 }

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "mien/tensor/ops.h"
@@ -55,25 +57,47 @@ Tensor transposed_conv_rows(const Tensor& x, const Tensor& weight, const Tensor&
   return conv_rows(padded, PackedMatrix(taps), bias, kernel, 1, 1, num_threads);
 }
 
-Tensor flatten_channels(const Tensor& x) {
-  require(x.rank() == 2, [&] { return "flatten_channels: x must be [N, D], got " + shape_text(x.shape()); });
-  const std::int64_t count = x.num_rows(), width = x.width();
-  Tensor y = Tensor::uninitialized({1, x.count()});
-  for (std::int64_t n = 0; n < count; ++n)
-    for (std::int64_t c = 0; c < width; ++c) y.data()[c * count + n] = x.data()[n * width + c];
-  return y;
+Tensor instance_norm(Tensor x, double eps) {
+  Tensor ones({x.width()});
+  std::ranges::fill(ones.values(), 1.0f);
+  return group_norm(std::move(x), ones, Tensor({ones.count()}), ones.count(), eps);
 }
 
-Tensor split_channels(const Tensor& x, std::int64_t channels) {
-  require(x.num_rows() == 1 && channels >= 1 && x.count() % channels == 0, [&] {
-    return "split_channels: " + shape_text(x.shape()) + " is no row of " + std::to_string(channels) +
-           " channels";
+Tensor channel_runs(const Tensor& x, std::int64_t width) {
+  require(width >= 1 && x.count() % width == 0, [&] {
+    return "channel_runs: " + shape_text(x.shape()) + " is not whole rows of " + std::to_string(width);
   });
-  const std::int64_t count = x.count() / channels;
-  Tensor y = Tensor::uninitialized({count, channels});
-  for (std::int64_t n = 0; n < count; ++n)
-    for (std::int64_t c = 0; c < channels; ++c) y.data()[n * channels + c] = x.data()[c * count + n];
-  return y;
+  return transposed(x).reshaped({x.count() / width, width});
+}
+
+Tensor from_channel_runs(const Tensor& x, std::int64_t count) {
+  require(count >= 1 && x.count() % count == 0, [&] {
+    return "from_channel_runs: " + shape_text(x.shape()) + " is not whole channels of " +
+           std::to_string(count);
+  });
+  return transposed(x.reshaped({x.count() / count, count}));
+}
+
+Tensor squared_distances(const Tensor& x, const Tensor& table) {
+  require(x.width() == table.width(), [&] {
+    return "squared_distances: widths of " + shape_text(x.shape()) + " and " + shape_text(table.shape()) +
+           " differ";
+  });
+  const auto square_of = [](std::span<const float> row) {
+    double sum = 0;
+    for (const float v : row) sum += static_cast<double>(v) * v;
+    return sum;
+  };
+  std::vector<double> of_table;
+  for (std::int64_t k = 0; k < table.num_rows(); ++k) of_table.push_back(square_of(table.row(k)));
+  Tensor out = linear(x, PackedMatrix(table));
+  for (std::int64_t n = 0; n < out.num_rows(); ++n) {
+    const double own = square_of(x.row(n));
+    const auto row = out.row(n);
+    for (std::size_t k = 0; k < row.size(); ++k)
+      row[k] = static_cast<float>(own + of_table[k] - 2.0 * static_cast<double>(row[k]));
+  }
+  return out;
 }
 
 }  // namespace mien

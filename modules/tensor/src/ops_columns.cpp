@@ -5,6 +5,19 @@
 
 namespace mien {
 
+Tensor transposed(const Tensor& x) {
+  require(x.rank() == 2, [&] { return "transposed: x must be [N, D], got " + shape_text(x.shape()); });
+  constexpr std::int64_t kTile = 16;  // both sides of a tile stay in the cache
+  const std::int64_t height = x.num_rows(), width = x.width();
+  Tensor y = Tensor::uninitialized({width, height});
+  for (std::int64_t r0 = 0; r0 < height; r0 += kTile)
+    for (std::int64_t c0 = 0; c0 < width; c0 += kTile)
+      for (std::int64_t c = c0; c < std::min(c0 + kTile, width); ++c)
+        for (std::int64_t r = r0; r < std::min(r0 + kTile, height); ++r)
+          y.data()[c * height + r] = x.data()[r * width + c];
+  return y;
+}
+
 Tensor group_rows(const Tensor& x, std::int64_t factor) {
   require(x.rank() == 2 && factor >= 1 && x.num_rows() % factor == 0, [&] {
     return "group_rows: " + shape_text(x.shape()) + " has no whole groups of " + std::to_string(factor);

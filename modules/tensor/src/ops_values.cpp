@@ -42,6 +42,15 @@ Tensor relu(Tensor x) { return apply(Unary::relu, std::move(x)); }
 
 Tensor mish(Tensor x) { return apply(Unary::mish, std::move(x)); }
 
+Tensor gelu_tanh(Tensor x) {
+  constexpr float kRoot = 0.7978845608f, kCubic = 0.044715f;  // sqrt(2 / pi)
+  Tensor inner = x;
+  for (float& v : inner.values()) v = kRoot * (v + kCubic * v * v * v);
+  inner = tanh(std::move(inner));
+  for (std::int64_t i = 0; i < x.count(); ++i) x.data()[i] *= 0.5f * (1.0f + inner.data()[i]);
+  return x;
+}
+
 Tensor scale(Tensor x, float factor) {
   for (float& value : x.values()) value *= factor;
   return x;

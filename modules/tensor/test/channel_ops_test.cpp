@@ -1,4 +1,4 @@
-// Operations by channel: norms with given statistics, transposed convolution, flattening.
+// Operations by channel: norms, transposed convolution, runs along time, distances to a codebook.
 #include "mien/tensor/channel_ops.h"
 
 #include <gtest/gtest.h>
@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "mien/base/random.h"
+#include "mien/tensor/ops.h"
 
 namespace mien {
 namespace {
@@ -55,15 +56,49 @@ TEST(TransposedConvolution, SpreadsEveryRowOverItsTaps) {
   EXPECT_THROW(transposed_conv_rows(x, noise({4, 2, 4}, 4), bias), std::logic_error);
 }
 
-TEST(FlattenChannels, GoesChannelByChannelAndBack) {
+// A latent is cut into codes along time, channel by channel, and put together again.
+TEST(ChannelRuns, GoChannelByChannelAndBack) {
   const Tensor x({3, 2}, std::vector<float>{1, 10, 2, 20, 3, 30});
-  const Tensor flat = flatten_channels(x);
+  const Tensor flat = channel_runs(x, 6);
   EXPECT_EQ(flat.shape(), (Shape{1, 6}));
   EXPECT_EQ(values(flat), (std::vector<float>{1, 2, 3, 10, 20, 30}));
-  const Tensor back = split_channels(flat, 2);
-  EXPECT_EQ(back.shape(), x.shape());
-  EXPECT_EQ(values(back), values(x));
-  EXPECT_THROW(split_channels(flat, 4), std::logic_error);
+  const Tensor runs = channel_runs(x, 2);
+  EXPECT_EQ(runs.shape(), (Shape{3, 2}));
+  EXPECT_EQ(values(runs), values(flat));
+  for (const Tensor& cut : {flat, runs}) {
+    const Tensor back = from_channel_runs(cut, 3);
+    EXPECT_EQ(back.shape(), x.shape());
+    EXPECT_EQ(values(back), values(x));
+  }
+  EXPECT_THROW(channel_runs(x, 4), std::logic_error);
+  EXPECT_THROW(channel_runs(x, 0), std::logic_error);
+  EXPECT_THROW(from_channel_runs(flat, 4), std::logic_error);
+  EXPECT_EQ(channel_runs(Tensor({0, 4}), 2).shape(), (Shape{0, 2}));
+}
+
+TEST(SquaredDistances, AreThoseOfRows) {
+  const Tensor x = noise({3, 5}, 1), table = scale(noise({4, 5}, 2), 2);
+  const Tensor distances = squared_distances(x, table);
+  ASSERT_EQ(distances.shape(), (Shape{3, 4}));
+  for (std::int64_t n = 0; n < 3; ++n)
+    for (std::int64_t k = 0; k < 4; ++k) {
+      double want = 0;
+      for (std::size_t i = 0; i < 5; ++i)
+        want += std::pow(static_cast<double>(x.row(n)[i]) - static_cast<double>(table.row(k)[i]), 2);
+      EXPECT_NEAR(distances.row(n)[static_cast<std::size_t>(k)], want, 1e-5);
+    }
+  EXPECT_THROW(squared_distances(x, noise({4, 6}, 2)), std::logic_error);
+}
+
+TEST(InstanceNorm, NormsEveryChannelOverTime) {
+  const Tensor y = instance_norm(noise({40, 3}, 1), 0.0);
+  for (std::size_t c = 0; c < 3; ++c) {
+    double sum = 0, squares = 0;
+    for (std::int64_t n = 0; n < 40; ++n) sum += y.row(n)[c], squares += std::pow(y.row(n)[c], 2);
+    EXPECT_NEAR(sum / 40, 0, 1e-6);
+    EXPECT_NEAR(squares / 40, 1, 1e-5);
+  }
+  EXPECT_EQ(values(instance_norm(noise({1, 3}, 1))), std::vector<float>(3)) << "one frame is its own mean";
 }
 
 }  // namespace

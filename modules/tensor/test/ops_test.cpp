@@ -379,5 +379,30 @@ TEST(MaxPoolPairs, TakesTheLargerAndKeepsNan) {
   EXPECT_TRUE(std::isnan(means.data()[2]));
 }
 
+TEST(GeluTanh, IsTheTanhFormEverywhere) {
+  const std::vector<float> values = {0.0f, -0.0f, 0.3f, -0.3f, 1.0f,  -1.0f,
+                                     2.7f, -2.7f, 6.0f, -6.0f, 50.0f, -50.0f};
+  const Tensor x({static_cast<std::int64_t>(values.size())}, values), y = gelu_tanh(x);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const double v = values[i];
+    const double want =
+        0.5 * v * (1 + std::tanh(std::sqrt(2 / 3.141592653589793) * (v + 0.044715 * v * v * v)));
+    EXPECT_NEAR(y.values()[i], want, 2e-7 * (1 + std::abs(v))) << v;
+  }
+  EXPECT_TRUE(std::isnan(gelu_tanh(Tensor({1}, {&kNan, 1})).values()[0]));
+}
+
+TEST(Transposed, TurnsRowsIntoColumns) {
+  for (const auto& [height, width] : {std::pair<std::int64_t, std::int64_t>{3, 5}, {16, 32}, {37, 18}}) {
+    const Tensor x = random_tensor({height, width}, 1), y = transposed(x);
+    EXPECT_EQ(y.shape(), (Shape{width, height}));
+    for (std::int64_t r = 0; r < height; ++r)
+      for (std::int64_t c = 0; c < width; ++c)
+        EXPECT_EQ(y.data()[height * c + r], x.data()[width * r + c]) << r << " " << c;
+  }
+  EXPECT_EQ(transposed(Tensor({0, 4})).shape(), (Shape{4, 0}));
+  EXPECT_THROW(transposed(Tensor({2, 2, 2})), std::logic_error);
+}
+
 }  // namespace
 }  // namespace mien

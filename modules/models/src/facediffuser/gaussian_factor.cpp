@@ -58,18 +58,6 @@ std::vector<double> filtered_transposed(const std::vector<double>& a, std::int64
 
 }  // namespace
 
-Tensor transposed(const Tensor& x) {
-  constexpr std::int64_t kTile = 16;  // both sides of a tile stay in the cache
-  const std::int64_t height = x.num_rows(), width = x.width();
-  Tensor y = Tensor::uninitialized({width, height});
-  for (std::int64_t r0 = 0; r0 < height; r0 += kTile)
-    for (std::int64_t c0 = 0; c0 < width; c0 += kTile)
-      for (std::int64_t c = c0; c < std::min(c0 + kTile, width); ++c)
-        for (std::int64_t r = r0; r < std::min(r0 + kTile, height); ++r)
-          y.data()[c * height + r] = x.data()[r * width + c];
-  return y;
-}
-
 Tensor gaussian_factor(const PackedMatrix& weights, const Tensor& taps, int num_threads) {
   const std::int64_t size = weights.num_outputs();
   // A A^T = F (W W^T) F^T: filter rows and columns.

@@ -3,9 +3,6 @@
 
 namespace mien::facediffuser {
 
-/// x [N, M] -> [M, N].
-Tensor transposed(const Tensor& x);
-
 /// A square C with C C^T = A A^T, A = filter * weights: C xi has the distribution of A z for white xi and z.
 /// Lower triangular. A direction that the weights do not reach (to 1e-7 of the mean) gets no noise.
 /// @param weights  [Y, D], D > Y;  taps  of the filter along Y   @return [Y, Y]

@@ -13,8 +13,11 @@ namespace mien {
 ///   transposed_conv(x, weight, bias)
 ///                                 along time, stride 1, no padding: [.., N, in] -> [.., N + kernel - 1,
 ///                                 out]; weight [in, out, kernel] is a tensor
-///   flatten_channels(x)           [.., N, D] -> [.., 1, D N], channel by channel
-///   split_channels(x, channels)   its inverse: [.., 1, D N] -> [.., N, D]
+///   instance_norm(x, eps)         each channel over all its rows, without gamma and beta
+///   channel_runs(x, width)        x channel by channel, cut into rows: [.., N, D] -> [.., N D / width,
+///   width] from_channel_runs(x, count)   its inverse: [.., N D / width, width] -> [.., count, D]
+///   squared_distances(x, table)   of rows [.., N, W] to rows of a table [K, W] -> [.., N, K]
+///   straight_through(x, y)        x + (y - x), whose gradient is that of x
 template <class T>
 struct ChannelOperations;
 
@@ -28,10 +31,15 @@ struct ChannelOperations<Tensor> {
   static Tensor transposed_conv(const Tensor& x, const Tensor& weight, const Tensor& bias) {
     return transposed_conv_rows(x, weight, bias);
   }
-  static Tensor flatten_channels(const Tensor& x) { return mien::flatten_channels(x); }
-  static Tensor split_channels(const Tensor& x, std::int64_t channels) {
-    return mien::split_channels(x, channels);
+  static Tensor instance_norm(Tensor x, double eps) { return mien::instance_norm(std::move(x), eps); }
+  static Tensor channel_runs(const Tensor& x, std::int64_t width) { return mien::channel_runs(x, width); }
+  static Tensor from_channel_runs(const Tensor& x, std::int64_t count) {
+    return mien::from_channel_runs(x, count);
   }
+  static Tensor squared_distances(const Tensor& x, const Tensor& table) {
+    return mien::squared_distances(x, table);
+  }
+  static Tensor straight_through(const Tensor& x, const Tensor& y) { return add(x, sub(y, x)); }
 };
 
 }  // namespace mien

@@ -27,6 +27,7 @@ namespace mien {
 ///                                      the same where query n sees the keys ranges[n] (KeyRange) alone
 ///   gelu(x) silu(x) sigmoid(x) tanh(x) elementwise; gelu in its exact (erf) form
 ///   relu(x) mish(x)                    elementwise
+///   gelu_tanh(x) exp(x)                elementwise; GELU in its tanh form
 ///   gru(x, state, w_ih, w_hh, b_ih, b_hh)  a GRU layer over time, gates r, z, n: x [.., N, in], state [..,
 ///   1,
 ///                                      hidden] (updated) -> [.., N, hidden]
@@ -37,7 +38,11 @@ namespace mien {
 ///   one_hot(x, index, width)           a row [.., 1, width] for the batch of x: one at index, else zero
 ///   table_row(table, index)            row of a buffer [entries, 1, width] -> [1, width]
 ///   given_rows(x, values, width)       numbers as rows [.., 1, width]: one row, or one for each batch of x
+///   table_rows(table, indices)         rows of a table [entries, W] -> [1, indices, W]
+///   constant_rows(x, values, width)    numbers [N, width] as a tensor like x, without batches
+///   values(x)                          all numbers of x, row by row
 ///   add(x, y) mul(x, y)                elementwise; y may be one row [1, D] for every row of x
+///   sub(x, y)                          elementwise
 ///   add_one(x) scale(x, s)             x + 1, s x
 ///   num_rows(x)                        N
 ///   rows(x, first, count)              part of the time axis

@@ -43,6 +43,8 @@ struct Operations<Tensor> {
   static Tensor tanh(Tensor x) { return mien::tanh(std::move(x)); }
   static Tensor relu(Tensor x) { return mien::relu(std::move(x)); }
   static Tensor mish(Tensor x) { return mien::mish(std::move(x)); }
+  static Tensor gelu_tanh(Tensor x) { return mien::gelu_tanh(std::move(x)); }
+  static Tensor exp(Tensor x) { return mien::exp(std::move(x)); }
   static Tensor gru(const Tensor& x, Tensor& state, const Matrix& w_ih, const Matrix& w_hh,
                     const Tensor& b_ih, const Tensor& b_hh);
   static Tensor convolve_columns(const Tensor& x, const Tensor& taps, const Tensor& bias) {
@@ -57,6 +59,14 @@ struct Operations<Tensor> {
   static Tensor one_hot(const Tensor& x, std::int64_t index, std::int64_t width);
   static Tensor table_row(const Tensor& table, std::int64_t index);
   static Tensor given_rows(const Tensor& x, std::span<const float> values, std::int64_t width);
+  static Tensor table_rows(const Tensor& table, std::span<const std::int64_t> indices) {
+    return embedding_rows(table, indices);
+  }
+  static Tensor constant_rows(const Tensor&, std::span<const float> values, std::int64_t width) {
+    return Tensor({static_cast<std::int64_t>(values.size()) / width, width}, values);
+  }
+  static std::vector<float> values(const Tensor& x) { return {x.values().begin(), x.values().end()}; }
+  static Tensor sub(Tensor x, const Tensor& y) { return mien::sub(std::move(x), y); }
   static Tensor add(Tensor x, const Tensor& y);
   static Tensor mul(Tensor x, const Tensor& y);
   static Tensor add_one(Tensor x);

@@ -20,9 +20,17 @@ Tensor leaky_relu(Tensor x, float slope);
 /// @return   [N + kernel - 1, Out], no rows when x has none
 Tensor transposed_conv_rows(const Tensor& x, const Tensor& weight, const Tensor& bias, int num_threads = 1);
 
-/// x [N, D] -> [1, D N]: channel by channel, as PyTorch flattens [D, N].
-Tensor flatten_channels(const Tensor& x);
-/// Its inverse: x [1, channels N] -> [N, channels]. @pre channels divides the values
-Tensor split_channels(const Tensor& x, std::int64_t channels);
+/// Each channel of x [N, D] over its rows: (x - mean) / sqrt(variance + eps), population variance. One row
+/// becomes zeros. Here a row does depend on the others.
+Tensor instance_norm(Tensor x, double eps = 1e-5);
+
+/// x [N, D] -> [N D / width, width]: channel by channel, as PyTorch flattens [D, N], cut into rows.
+/// @pre width divides the values
+Tensor channel_runs(const Tensor& x, std::int64_t width);
+/// Its inverse: x -> [count, D]. @pre count divides the values
+Tensor from_channel_runs(const Tensor& x, std::int64_t count);
+
+/// |x[n] - table[k]|^2 as |x|^2 + |table|^2 - 2 x table: x [N, W], table [K, W] -> [N, K].
+Tensor squared_distances(const Tensor& x, const Tensor& table);
 
 }  // namespace mien

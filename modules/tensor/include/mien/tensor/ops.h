@@ -90,6 +90,9 @@ Tensor tanh(Tensor x);     ///< relative error below 2e-7
 Tensor silu(Tensor x);     ///< x sigmoid(x), relative error below 2.5e-7
 Tensor gelu(Tensor x);     ///< x / 2 (1 + erf(x / sqrt(2))), the exact form; error below 1e-7 (1 + |gelu(x)|)
 Tensor relu(Tensor x);
+/// x / 2 (1 + tanh(sqrt(2 / pi) (x + 0.044715 x^3))), the approximate form that some networks were trained
+/// with
+Tensor gelu_tanh(Tensor x);
 Tensor mish(Tensor x);  ///< x tanh(ln(1 + e^x)), relative error below 4e-7
 Tensor scale(Tensor x, float factor);
 
@@ -122,6 +125,8 @@ Tensor rows(const Tensor& x, std::int64_t start, std::int64_t count);
 /// x [..., D] -> [..., count] from column `start` on. @pre rank >= 1
 Tensor columns(const Tensor& x, std::int64_t start, std::int64_t count);
 
+/// x [N, D] -> [D, N]. @pre rank 2
+Tensor transposed(const Tensor& x);
 /// x [N factor, D] -> [N, factor D]: each row of the result is `factor` rows of x. @pre factor divides the
 /// rows
 Tensor group_rows(const Tensor& x, std::int64_t factor);

@@ -16,10 +16,19 @@ struct ChannelOperations<torch::Tensor> {
   static T transposed_conv(const T& x, const T& weight, const T& bias) {
     return torch::conv_transpose1d(x.transpose(-1, -2), weight, bias).transpose(-1, -2);
   }
-  static T flatten_channels(const T& x) { return x.transpose(-1, -2).reshape({x.size(0), 1, -1}); }
-  static T split_channels(const T& x, std::int64_t channels) {
-    return x.reshape({x.size(0), channels, -1}).transpose(-1, -2);
+  static T instance_norm(const T& x, double eps) {
+    return Operations<T>::group_norm(x, {}, {}, x.size(-1), eps);
   }
+  static T channel_runs(const T& x, std::int64_t width) {
+    return x.transpose(-1, -2).reshape({x.size(0), -1, width});
+  }
+  static T from_channel_runs(const T& x, std::int64_t count) {
+    return x.reshape({x.size(0), -1, count}).transpose(-1, -2);
+  }
+  static T squared_distances(const T& x, const T& table) {
+    return x.square().sum(-1, /*keepdim=*/true) + table.square().sum(-1) - 2 * torch::matmul(x, table.t());
+  }
+  static T straight_through(const T& x, const T& y) { return x + (y - x).detach(); }
 };
 
 }  // namespace mien

@@ -81,6 +81,8 @@ struct Operations<torch::Tensor> {
   static T tanh(const T& x) { return torch::tanh(x); }
   static T relu(const T& x) { return torch::relu(x); }
   static T mish(const T& x) { return torch::mish(x); }
+  static T gelu_tanh(const T& x) { return torch::gelu(x, "tanh"); }
+  static T exp(const T& x) { return torch::exp(x); }
   static T gru(const T& x, T& state, const Matrix& w_ih, const Matrix& w_hh, const T& b_ih, const T& b_hh) {
     // LibTorch wants [layers, batch, hidden] for the state.
     auto [y, last] = torch::gru(x, state.transpose(0, 1).contiguous(), {w_ih, w_hh, b_ih, b_hh},
@@ -136,6 +138,19 @@ struct Operations<torch::Tensor> {
         .to(x.options().requires_grad(false))
         .reshape({-1, 1, width});
   }
+  static T table_rows(const T& table, std::span<const std::int64_t> indices) {
+    const T index = torch::tensor(std::vector<std::int64_t>(indices.begin(), indices.end()), torch::kLong);
+    return table.index_select(0, index.to(table.device())).unsqueeze(0);
+  }
+  static T constant_rows(const T& x, std::span<const float> values, std::int64_t width) {
+    const T rows = torch::tensor(std::vector<float>(values.begin(), values.end())).reshape({-1, width});
+    return rows.to(x.options().requires_grad(false));
+  }
+  static std::vector<float> values(const T& x) {
+    const T flat = x.detach().to(torch::kCPU, torch::kFloat).contiguous();
+    return {flat.data_ptr<float>(), flat.data_ptr<float>() + flat.numel()};
+  }
+  static T sub(const T& x, const T& y) { return x - y; }
   static T add(const T& x, const T& y) { return x + y; }
   static T mul(const T& x, const T& y) { return x * y; }
   static T add_one(const T& x) { return x + 1; }

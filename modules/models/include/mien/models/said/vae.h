@@ -120,7 +120,7 @@ struct VaeEncoder {
       x = convs[i](x);
       if (i < conv_norms.size()) x = C::leaky_relu(norm(conv_norms[i], std::move(x)), kConvSlope);
     }
-    return C::flatten_channels(x);
+    return C::channel_runs(x, sizes.flat_width());
   }
   /// [.., rows, flat_width()] -> [.., rows, the last of encoder_widths], row by row.
   template <class Norm = MeasuredStatistics<T>>
@@ -174,7 +174,7 @@ struct VaeDecoder {
     using B = Operations<T>;
     using C = ChannelOperations<T>;
     T x = second(C::leaky_relu(norm(dense_norm, first(code)), kDenseSlope));
-    x = C::split_channels(x, sizes.decoder_convs[0].in);
+    x = C::from_channel_runs(x, sizes.seed_frames());
     for (std::size_t i = 0; i < widening.size(); ++i)
       x = C::leaky_relu(norm(conv_norms[i], widening[i](x)), kConvSlope);
     return B::tanh(B::relu(narrowing[1](narrowing[0](x))));

@@ -8,6 +8,9 @@ template <>
 struct Backend<Tensor> {
   static Tensor given(const Tensor& x) { return x; }
   static Tensor values(const Tensor& x) { return x; }
+  static Tensor parameter(const Tensor& x) { return x; }
+  static PackedMatrix matrix(const Tensor& x) { return PackedMatrix(x); }
+  static PackedMatrix convolution(const Tensor& x) { return PackedMatrix(tap_major(x)); }
   template <class Network>
   static Network load(const Fixture& weights, Network network, const std::string& prefix = "") {
     LoadRuntime load(weights.file(), prefix);

@@ -4,7 +4,7 @@
 #include <set>
 
 #include "backend.h"
-#include "mien/train/torch_operations.h"
+#include "mien/train/torch_channel_operations.h"
 #include "mien/train/torch_parameters.h"
 
 namespace mien::parity {
@@ -16,6 +16,11 @@ struct Backend<torch::Tensor> {
     return torch::from_blob(const_cast<float*>(x.data()), {1, x.num_rows(), x.width()}, torch::kFloat)
         .clone();
   }
+  static T parameter(const mien::Tensor& x) {
+    return torch::from_blob(const_cast<float*>(x.data()), x.shape(), torch::kFloat).clone();
+  }
+  static T matrix(const mien::Tensor& x) { return parameter(x); }
+  static T convolution(const mien::Tensor& x) { return parameter(x); }
   static mien::Tensor values(const T& x) {
     const T rows = x.detach().reshape({-1, x.size(-1)}).contiguous();
     return mien::Tensor({rows.size(0), rows.size(1)},

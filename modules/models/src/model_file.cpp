@@ -4,14 +4,22 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "mien/base/contract.h"
+
 namespace mien {
 namespace {
 
 using Json = nlohmann::ordered_json;
 constexpr const char* kKey = "mien.model";
-constexpr std::array<std::string_view, 8> kArchitectures = {
-    "default",           "speech_encoder",    "facexhubert", "facediffuser_v",
-    "facediffuser_beat", "facediffuser_damm", "said_vae", "said"};
+constexpr std::array<std::string_view, 11> kArchitectures = {
+    "default",           "speech_encoder", "facexhubert", "facediffuser_v",       "facediffuser_beat",
+    "facediffuser_damm", "said_vae",       "said",        "facediffuser_emotion", "probtalk3d",
+    "probtalk3d_prior"};
+// Whether a model hears speech with an encoder that its file describes.
+constexpr bool has_encoder(Architecture architecture) {
+  return architecture != Architecture::default_model && architecture != Architecture::said_vae &&
+         architecture != Architecture::probtalk3d_prior;
+}
 constexpr std::int64_t kMostChannels = 30'000'000, kMostSteps = 1'000'000;
 constexpr double kMostFps = 1000;
 
@@ -83,6 +91,7 @@ Json to_json(const ModelFile& m) {
   if (!m.styles.empty()) json["styles"] = m.styles;
   if (!m.subjects.empty()) json["subjects"] = m.subjects;
   if (!m.emotions.empty()) json["emotions"] = m.emotions;
+  if (!m.intensities.empty()) json["intensities"] = m.intensities;
   json["licence"] = m.licence;
   if (!m.source.empty()) json["source"] = m.source;
   if (!m.training_config.empty() || !m.training_set.empty() || m.architecture == Architecture::default_model)
@@ -113,7 +122,7 @@ Status read_json(const Json& json, ModelFile& m) {
     m.output.fps = output.at("fps").get<double>();
     read(output, "topology", m.output.topology);
   }
-  if (m.architecture != Architecture::default_model && m.architecture != Architecture::said_vae) {
+  if (has_encoder(m.architecture)) {
     MIEN_TRY(m.encoder, encoder_config_from_json(json.at("encoder").dump()));
   }
   if (const auto diffusion = json.find("diffusion"); diffusion != json.end())
@@ -127,6 +136,7 @@ Status read_json(const Json& json, ModelFile& m) {
   read(json, "styles", m.styles);
   read(json, "subjects", m.subjects);
   read(json, "emotions", m.emotions);
+  read(json, "intensities", m.intensities);
   read(json, "licence", m.licence);
   read(json, "source", m.source);
   if (const auto training = json.find("training"); training != json.end()) {
@@ -140,6 +150,24 @@ Status read_json(const Json& json, ModelFile& m) {
 
 std::string_view architecture_name(Architecture architecture) {
   return kArchitectures[static_cast<std::size_t>(architecture)];
+}
+
+void apply_scaler(const ModelScaler& scaler, std::span<float> rows) {
+  const std::size_t width = scaler.scale.size();
+  contract(width > 0 && rows.size() % width == 0, "apply_scaler: not whole rows");
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const auto scaled = static_cast<float>(static_cast<double>(rows[i]) * scaler.scale[i % width]);
+    rows[i] = static_cast<float>(static_cast<double>(scaled) + scaler.min[i % width]);
+  }
+}
+
+void undo_scaler(const ModelScaler& scaler, std::span<float> rows) {
+  const std::size_t width = scaler.scale.size();
+  contract(width > 0 && rows.size() % width == 0, "undo_scaler: not whole rows");
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const auto moved = static_cast<float>(static_cast<double>(rows[i]) - scaler.min[i % width]);
+    rows[i] = static_cast<float>(static_cast<double>(moved) / scaler.scale[i % width]);
+  }
 }
 
 Metadata to_metadata(const ModelFile& model) {

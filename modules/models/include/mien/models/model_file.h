@@ -2,6 +2,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -22,14 +23,17 @@ enum class Architecture {
   facediffuser_damm,
   said_vae,  ///< SAiD's motion codec, which measures motion and makes none from speech
   said,
+  facediffuser_emotion,  ///< ProbTalk3D's form of V, with emotions and intensities
+  probtalk3d,            ///< both stages; its Gaussian variant is told by its tensors
+  probtalk3d_prior,      ///< stage 1 alone, to start the training of stage 2 from; has no speech encoder
 };
 /// "default", "speech_encoder", "facexhubert", "facediffuser_v", "facediffuser_beat", "facediffuser_damm",
-/// "said_vae", "said"
+/// "said_vae", "said", "facediffuser_emotion", "probtalk3d", "probtalk3d_prior"
 std::string_view architecture_name(Architecture architecture);
 
 /// What a frame of the model's motion is.
 struct ModelOutput {
-  std::string space;          ///< "arkit", "vertices" or "rig"
+  std::string space;          ///< "arkit", "flame", "vertices" or "rig"
   std::int64_t channels = 0;  ///< 3 V for vertices
   double fps = 0;
   std::string topology;  ///< of vertices: "biwi", "flame", "multiface"; empty: unknown
@@ -45,6 +49,11 @@ struct ModelDiffusion {
 struct ModelScaler {
   std::vector<double> scale, min;  ///< [channels]
 };
+
+/// Rows of channels as the model sees them, y = x scale + min, and back. In place; both operations are done
+/// in double and rounded to float32, as scikit-learn does on float32 arrays. @pre whole rows
+void apply_scaler(const ModelScaler& scaler, std::span<float> rows);
+void undo_scaler(const ModelScaler& scaler, std::span<float> rows);
 
 /// What a model file says of itself: the JSON under "mien.model" in its safetensors metadata. Weights lie
 /// beside it under the names of the authors' checkpoints, a speech encoder's with the prefix
@@ -65,15 +74,17 @@ struct ModelFile {
   std::optional<EncoderConfig> encoder;
   std::optional<ModelDiffusion> diffusion;
   std::optional<ModelScaler> scaler;
-  /// Of layers that shapes do not tell: the default model's; "decoder_heads" of a transformer decoder.
+  /// Of layers that shapes do not tell: the default model's; "decoder_heads" of a transformer decoder;
+  /// "heads" of ProbTalk3D.
   std::map<std::string, std::int64_t> sizes;
   std::string noise_encoder =
       {};  ///< of V-FaceDiffuser where it is not the published one: "conv_average", "mlp"
   std::optional<std::int64_t> look_ahead_mel_frames;
-  std::optional<double> look_ahead_ms;  ///< of models that stream
-  std::vector<std::string> styles;      ///< of the default model
-  std::vector<std::string> subjects;    ///< in the order of the style columns
-  std::vector<std::string> emotions;    ///< in the order of the emotion columns
+  std::optional<double> look_ahead_ms;   ///< of models that stream
+  std::vector<std::string> styles;       ///< of the default model
+  std::vector<std::string> subjects;     ///< in the order of the style columns
+  std::vector<std::string> emotions;     ///< in the order of the emotion columns
+  std::vector<std::string> intensities;  ///< in the order of their columns, weakest first
   std::string licence;
   std::string source;           ///< the file that it was imported from
   std::string training_config;  ///< the TOML text it was trained with

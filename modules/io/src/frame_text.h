@@ -23,12 +23,13 @@ class FrameText {
   [[nodiscard]] virtual std::vector<std::string> warnings() const { return {}; }
 };
 
-// The formats of live_link_csv.h, metahuman_csv.h, coefficient_csv.h and motion_json.h for motion with the
-// space, channels, rate and topology of `format`, whose frames are not looked at. Errors: Errc::incompatible
-// for a space that the format does not have.
+// The formats of live_link_csv.h, metahuman_csv.h, coefficient_csv.h, flame_csv.h and motion_json.h for
+// motion with the space, channels, rate and topology of `format`, whose frames are not looked at. Errors:
+// Errc::incompatible for a space that the format does not have.
 Result<std::unique_ptr<FrameText>> live_link_text(const Motion& format);
 Result<std::unique_ptr<FrameText>> metahuman_text(const Motion& format);
 Result<std::unique_ptr<FrameText>> coefficient_text(const Motion& format);
+Result<std::unique_ptr<FrameText>> flame_text(const Motion& format);
 std::unique_ptr<FrameText> motion_json_text(const Motion& format, std::string_view audio_name);
 
 /// A whole motion, frame by frame. Errors: those of check_motion() and of the sink.

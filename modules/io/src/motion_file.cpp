@@ -7,7 +7,9 @@
 
 #include "mien/base/file.h"
 #include "mien/core/arkit.h"
+#include "mien/core/flame_parameters.h"
 #include "mien/core/rig_controls.h"
+#include "mien/io/flame_csv.h"
 #include "mien/io/live_link_csv.h"
 #include "mien/io/motion_json.h"
 #include "mien/io/motion_writer.h"
@@ -45,6 +47,7 @@ Status write_glb_file(const std::filesystem::path& path, const Motion& motion, c
 // The papers' rates, where the width tells the data set.
 double assumed_rate(std::size_t width) {
   if (width == kNumArkit - 1 || width == kNumUudamm) return 30;  // BEAT, UUDaMM
+  if (width == kNumFlame) return 25;                             // 3DMEAD
   if (width % 3 != 0) return 60;
   const auto known = known_topology(static_cast<std::int64_t>(width / 3));
   return known ? known->fps : 60;
@@ -53,6 +56,8 @@ double assumed_rate(std::size_t width) {
 Result<Motion> motion_of_array(NpyArray array, double fps) {
   if (array.shape.empty())
     return Error{Errc::incompatible, ".npy file", "it is a single number, expected frames", ""};
+  if (array.shape.size() == 3 && array.shape[0] == 1 && array.shape[2] == kNumFlame)  // ProbTalk3D's
+    array.shape.erase(array.shape.begin());
   std::size_t width = 1;
   for (std::size_t i = 1; i < array.shape.size(); ++i)
     width = checked_multiply(width, static_cast<std::size_t>(array.shape[i])).value_or(kMaxWidth + 1);
@@ -77,6 +82,9 @@ Result<Motion> motion_of_array(NpyArray array, double fps) {
   } else if (width == kNumUudamm) {
     result->space = MotionSpace::rig;
     channels = uudamm_controls();
+  } else if (width == kNumFlame) {
+    result->space = MotionSpace::flame;
+    channels = flame_channels(kNumFlameShape, kNumFlameExpression);
   } else if (width % 3 == 0 && width >= 300) {
     result->space = MotionSpace::vertices;
     result->topology = topology_of(static_cast<std::int64_t>(width / 3));
@@ -98,6 +106,7 @@ Result<Motion> read_known(const std::filesystem::path& path, const std::string& 
                           const MotionReadOptions& options) {
   if (extension == ".glb" || extension == ".gltf") return read_glb_motion(path);
   MIEN_TRY(const Bytes bytes, read_file(path));
+  if (extension == ".csv" && is_flame_csv(as_text(bytes))) return read_flame_csv(as_text(bytes), options.fps);
   if (extension == ".csv") return read_live_link_csv(as_text(bytes), {.fps = options.fps});
   if (extension == ".json") return read_motion_json(as_text(bytes));
   MIEN_TRY(auto array, read_npy(bytes));

@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <optional>
+#include <vector>
 
 #include "even_motion.h"
 #include "frame_text.h"
 #include "mien/base/file.h"
+#include "mien/core/flame_parameters.h"
 #include "mien/io/npy.h"
 
 namespace mien {
@@ -30,7 +33,7 @@ Form form_of(const std::filesystem::path& path) {
 Result<std::unique_ptr<io::FrameText>> text_of(Form form, const Motion& format, std::string_view audio_name) {
   switch (form) {
     case Form::live_link:
-      return io::live_link_text(format);
+      return format.space == MotionSpace::flame ? io::flame_text(format) : io::live_link_text(format);
     case Form::metahuman:
       return io::metahuman_text(format);
     case Form::coefficients:
@@ -42,9 +45,24 @@ Result<std::unique_ptr<io::FrameText>> text_of(Form form, const Motion& format, 
   }
 }
 
-// The same number of bytes for any number of frames.
+// The same number of bytes for any number of frames. FLAME parameters as ProbTalk3D's programs write them.
 Bytes array_header(std::int64_t num_frames, const Motion& format) {
+  if (format.space == MotionSpace::flame)
+    return npy_header(std::array<std::int64_t, 3>{1, num_frames, kNumFlame}, sizeof(double), /*growing=*/1);
   return npy_header(std::array<std::int64_t, 2>{num_frames, format.num_channels()});
+}
+
+// All of FLAME's parameters in double; those that the motion lacks are 0.
+Status write_flame_rows(AtomicFile& file, const std::vector<std::optional<std::size_t>>& columns,
+                        std::span<const float> frames) {
+  const std::size_t width = columns.size();
+  for (std::size_t first = 0; first < frames.size(); first += width) {
+    std::array<double, kNumFlame> row{};
+    for (std::size_t c = 0; c < width; ++c)
+      if (columns[c]) row[*columns[c]] = static_cast<double>(frames[first + c]);
+    MIEN_TRY([[maybe_unused]] const auto written, file.write(std::as_bytes(std::span(row))));
+  }
+  return Done{};
 }
 
 }  // namespace
@@ -53,6 +71,7 @@ struct MotionWriter::State {
   Motion format;
   std::unique_ptr<io::FrameText> text;  // none: .npy
   AtomicFile file;
+  std::vector<std::optional<std::size_t>> flame_columns{};
   std::string block{};
   std::int64_t num_frames = 0;
 
@@ -80,6 +99,7 @@ Result<MotionWriter> MotionWriter::create(const std::filesystem::path& path, con
   MIEN_TRY([[maybe_unused]] const auto checked, io::check_motion(without_frames, name));
   MIEN_TRY(auto file, AtomicFile::create(path));
   auto state = std::make_unique<State>(State{std::move(without_frames), std::move(text), std::move(file)});
+  if (state->format.space == MotionSpace::flame) state->flame_columns = flame_columns(state->format);
   if (state->text) {
     state->block = state->text->head();
   } else {
@@ -96,6 +116,7 @@ Status MotionWriter::add(std::span<const float> frames) {
   const auto count = static_cast<std::int64_t>(frames.size() / width);
   if (!s.text) {
     s.num_frames += count;
+    if (s.format.space == MotionSpace::flame) return write_flame_rows(s.file, s.flame_columns, frames);
     return s.file.write(std::as_bytes(frames));
   }
   for (std::int64_t i = 0; i < count; ++i, ++s.num_frames) {

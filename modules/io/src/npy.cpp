@@ -94,16 +94,17 @@ class HeaderParser {
 
 }  // namespace
 
-Bytes npy_header(std::span<const std::int64_t> shape) {
-  std::string text = "{'descr': '<f4', 'fortran_order': False, 'shape': (";
+Bytes npy_header(std::span<const std::int64_t> shape, std::size_t item_size, std::size_t growing) {
+  contract(item_size == 4 || item_size == 8, "npy_header: floats of 4 or 8 bytes");
+  std::string text = "{'descr': '<f" + std::to_string(item_size) + "', 'fortran_order': False, 'shape': (";
   for (std::size_t i = 0; i < shape.size(); ++i) {
     contract(shape[i] >= 0, "npy_header: negative size");
     text += std::to_string(shape[i]);
     if (i + 1 < shape.size() || shape.size() == 1) text += i + 1 < shape.size() ? ", " : ",";
   }
   text += "), }";
-  // Room for any number of rows, as NumPy leaves it: an array can grow without its header.
-  if (!shape.empty()) text.append(kMaxDigits - std::to_string(shape[0]).size(), ' ');
+  // Room for any size of one axis, as NumPy leaves it: an array can grow without its header.
+  if (growing < shape.size()) text.append(kMaxDigits - std::to_string(shape[growing]).size(), ' ');
   const std::size_t before = kMagicSize + 4;  // magic, version, length
   while ((before + text.size() + 1) % kAlignment != 0) text += ' ';
   text += '\n';
@@ -128,7 +129,17 @@ Bytes write_npy(const NpyArray& array) {
   return bytes;
 }
 
-Result<NpyLayout> read_npy_layout(std::span<const std::byte> bytes) {
+namespace {
+
+// What a header says, and where the data begin.
+struct ReadHeader {
+  std::string type;
+  bool fortran = false;
+  std::vector<std::int64_t> shape;
+  std::size_t data_offset = 0;
+};
+
+Result<ReadHeader> read_header(std::span<const std::byte> bytes) {
   if (bytes.size() < kMagicSize + 4 || std::memcmp(bytes.data(), kMagic, kMagicSize) != 0)
     return bad("it does not start like a NumPy array");
   const int version = std::to_integer<int>(bytes[kMagicSize]);
@@ -144,23 +155,52 @@ Result<NpyLayout> read_npy_layout(std::span<const std::byte> bytes) {
     return bad("it ends inside its header");
   HeaderParser header(as_text(bytes.subspan(header_start, header_size)));
   if (!header.parse()) return bad("its header is not understood");
-  const std::size_t item = header.type == "<f4" ? 4 : header.type == "<f8" ? 8 : 0;
-  if (item == 0 || *header.fortran_order)
-    return Error{Errc::incompatible, ".npy file",
-                 "its type is '" + header.type + "'" + (*header.fortran_order ? " in Fortran order" : "") +
-                     ", expected '<f4' or '<f8' in C order",
-                 "Save it with numpy.ascontiguousarray(a, dtype='float32')"};
+  return ReadHeader{header.type, *header.fortran_order, *header.shape, header_start + header_size};
+}
+
+// The bytes behind the header must be as many as shape and type say.
+Status check_size(std::span<const std::byte> bytes, const ReadHeader& header, std::size_t item) {
   std::size_t count = 1;
-  for (const auto size : *header.shape) {
+  for (const auto size : header.shape) {
     const auto product = checked_multiply(count, static_cast<std::size_t>(size));
     if (!product) return bad("its shape is too large");
     count = *product;
   }
-  const auto data = bytes.subspan(header_start + header_size);
   const auto size = checked_multiply(count, item);
-  if (!size || data.size() != *size)
-    return bad("it has " + std::to_string(data.size()) + " bytes of data, its shape needs another number");
-  return NpyLayout{*header.shape, item, bytes.size() - data.size()};
+  const std::size_t num_bytes = bytes.size() - header.data_offset;
+  if (!size || num_bytes != *size)
+    return bad("it has " + std::to_string(num_bytes) + " bytes of data, its shape needs another number");
+  return Done{};
+}
+
+}  // namespace
+
+Result<NpyLayout> read_npy_layout(std::span<const std::byte> bytes) {
+  MIEN_TRY(const ReadHeader header, read_header(bytes));
+  const std::size_t item = header.type == "<f4" ? 4 : header.type == "<f8" ? 8 : 0;
+  if (item == 0 || header.fortran)
+    return Error{Errc::incompatible, ".npy file",
+                 "its type is '" + header.type + "'" + (header.fortran ? " in Fortran order" : "") +
+                     ", expected '<f4' or '<f8' in C order",
+                 "Save it with numpy.ascontiguousarray(a, dtype='float32')"};
+  MIEN_TRY([[maybe_unused]] const auto fits, check_size(bytes, header, item));
+  return NpyLayout{header.shape, item, header.data_offset};
+}
+
+Result<PickleArray> npy_elements(std::span<const std::byte> bytes) {
+  MIEN_TRY(const ReadHeader header, read_header(bytes));
+  const std::string& type = header.type;  // "<f8", "|b1"
+  const auto item = type.size() >= 3 ? parse_int(std::string_view(type).substr(2)) : std::nullopt;
+  if (!item || *item < 1 || *item > 16 || std::string_view("<>|=").find(type[0]) == std::string_view::npos ||
+      std::string_view("fiub").find(type[1]) == std::string_view::npos)
+    return Error{Errc::incompatible, ".npy file", "its type '" + type + "' is no number", ""};
+  MIEN_TRY([[maybe_unused]] const auto fits, check_size(bytes, header, static_cast<std::size_t>(*item)));
+  return PickleArray{.kind = type[1],
+                     .item_size = static_cast<std::size_t>(*item),
+                     .big_endian = type[0] == '>',
+                     .fortran = header.fortran,
+                     .shape = header.shape,
+                     .data = bytes.subspan(header.data_offset)};
 }
 
 Result<NpyArray> read_npy(std::span<const std::byte> bytes) {

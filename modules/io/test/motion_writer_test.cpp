@@ -11,6 +11,7 @@
 #include "io_test_support.h"
 #include "mien/base/file.h"
 #include "mien/core/arkit.h"
+#include "mien/core/flame_parameters.h"
 #include "mien/io/motion_file.h"
 
 namespace mien {
@@ -59,6 +60,29 @@ TEST_F(MotionWriterTest, GivesTheSameBytesForAnyCut) {
       ASSERT_TRUE(read) << read.error().message();
       EXPECT_EQ(read->num_frames(), num_frames);
     }
+}
+
+// The header of the array states the number of frames on its second axis.
+TEST_F(MotionWriterTest, WritesFlameParametersWhileTheyArrive) {
+  Motion all{MotionSpace::flame, flame_channels(0, 2), 25, {}};
+  for (int i = 0; i < 1200 * 5; ++i) all.values.push_back(static_cast<float>(i) / 7);
+  for (const char* name : {"f.csv", "f.json", "f.npy"}) {
+    ASSERT_TRUE(write_motion(folder_ / name, all));
+    const auto whole = read_file(folder_ / name);
+    auto writer = MotionWriter::create(folder_ / name, all);
+    ASSERT_TRUE(writer);
+    for (std::int64_t n = 0; n < all.num_frames(); ++n) ASSERT_TRUE(writer->add(all.frame(n)));
+    ASSERT_TRUE(writer->finish());
+    const auto one_by_one = read_file(folder_ / name);
+    ASSERT_TRUE(whole && one_by_one);
+    EXPECT_TRUE(*one_by_one == *whole) << name;
+    const auto read = read_motion(folder_ / name);
+    ASSERT_TRUE(read) << read.error().message();
+    EXPECT_EQ(read->space, MotionSpace::flame);
+    ASSERT_EQ(read->num_frames(), 1200);
+    EXPECT_EQ(read->frame(1199)[static_cast<std::size_t>(*read->find("jaw_z"))], all.values.back()) << name;
+  }
+  EXPECT_EQ(MotionWriter::create(folder_ / "f.said.csv", all).error().code, Errc::incompatible);
 }
 
 TEST_F(MotionWriterTest, TakesFormatsThatNeedOneFrameAtATime) {

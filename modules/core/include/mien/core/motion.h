@@ -14,7 +14,7 @@ namespace mien {
 /// What the channels of a Motion are.
 enum class MotionSpace {
   arkit,     ///< ARKit coefficients (0 ... 1) by name, optionally headYaw, headPitch, headRoll in degrees
-  flame,     ///< FLAME expression and jaw parameters
+  flame,     ///< FLAME parameters by name (flame_parameters.h)
   vertices,  ///< x, y, z of every vertex of a topology, in the units of its data set
   rig,       ///< other named controls
 };

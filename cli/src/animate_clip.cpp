@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "mien/face/flame.h"
 #include "mien/io/motion_file.h"
 #include "mien/models/animate.h"
 #include "take_files.h"
@@ -63,11 +64,10 @@ Status perform(const AnimateArguments& a, const AnimatePlan& p, const Performer&
 }
 
 // One output that needs the whole motion.
-Status write_whole(const AnimateArguments& a, const AnimatePlan& p, const ClipPlan& clip,
-                   const Output& output, const Motion& motion, const AudioClip* sound,
-                   ConsoleProgress& progress) {
+Status write_whole(const AnimatePlan& p, const ClipPlan& clip, const Output& output, const Motion& motion,
+                   const AudioClip* sound, ConsoleProgress& progress) {
   if (p.mesh)
-    return write_vertex_output(output, motion, *p.mesh, a.vertices, {p.pictures, sound, clip.audio_name()},
+    return write_vertex_output(output, motion, *p.mesh, p.vertices, {p.pictures, sound, clip.audio_name()},
                                progress);
   if (output.is_picture()) return write_pictures(output, motion, *p.character, sound, p.pictures, progress);
   return write_motion(output.path, motion,
@@ -85,15 +85,21 @@ Status write_outputs(const AnimateArguments& a, const AnimatePlan& p, const Clip
       if (take == 0) progress.warn(warning);
   }
   for (const bool pictures : {false, true})
-    for (int take = 0; take < a.takes; ++take)
+    for (int take = 0; take < a.takes; ++take) {
+      std::optional<Motion> flame;  // vertices of this take, made for the first output that shows them
       for (const Output& output : clip.of_take(take, a.takes)) {
         if (output.is_picture() != pictures || TakeFiles::is_streamed(output)) continue;
         const Motion& motion = takes[static_cast<std::size_t>(take)].motion();
-        const Status written = write_whole(a, p, clip, output, motion, sound, progress);
+        if (output.shows_flame && !flame) {
+          MIEN_TRY(flame, flame_vertices(FlamePoser(*p.flame), motion, a.threads));
+        }
+        const Status written =
+            write_whole(p, clip, output, output.shows_flame ? *flame : motion, sound, progress);
         if (!written) return written.error();
         for (const auto& warning : written.warnings)
           if (take == 0) progress.warn(p.mesh ? warning : output.path.string() + ": " + warning);
       }
+    }
   return Done{};
 }
 
@@ -167,7 +173,8 @@ std::size_t num_clips_together(const AnimateArguments& a, const Performer& perfo
   for (const ClipPlan& clip : next.first(std::min(next.size(), kLanes / static_cast<std::size_t>(a.takes)))) {
     const auto speech = AudioReader::open(clip.speech);
     constexpr double kUnknown = std::numeric_limits<double>::infinity();
-    if (speech && speech->info().seconds.value_or(kUnknown) > kLongSpeech_s) break;  // much memory for features
+    if (speech && speech->info().seconds.value_or(kUnknown) > kLongSpeech_s)
+      break;  // much memory for features
     ++count;
   }
   return std::max<std::size_t>(count, 1);

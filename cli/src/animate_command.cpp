@@ -3,6 +3,7 @@
 
 #include "animate_clip.h"
 #include "animate_plan.h"
+#include "flame_outputs.h"
 #include "mien/audio/load_audio.h"
 #include "mien/base/number_text.h"
 #include "mien/console/console_exit.h"
@@ -95,6 +96,7 @@ Status run_animate(const AnimateArguments& a, ConsoleProgress& progress) {
   }
   tell_start(a, *plan, progress);
   MIEN_TRY([[maybe_unused]] const auto prepared, prepare_outputs(*plan, progress));
+  if (plan->num_flame_parameters > 0) progress.say(flame_parameters_notice(plan->num_flame_parameters));
   MIEN_TRY(const Performer performer, load_performer(a, *plan));
   if (plan->clips.size() > 1) return animate_all(a, *plan, performer, start, progress);
 
@@ -135,7 +137,8 @@ void add_animate_command(CLI::App& program, Chosen& chosen) {
       "--emotion", a->words.emotion,
       "neutral, happy, sad, surprised, fear, disgusted, angry or contempt, with a level :1 :2 :3 or an "
       "intensity :0.0 to :1.0; or a .csv or .json file: time,emotion,intensity[,style]. Default: neutral. "
-      "FaceXHuBERT: neutral or expressive, which is its default");
+      "FaceXHuBERT: neutral or expressive, which is its default. ProbTalk3D: levels 1 to 3 or low, medium, "
+      "high");
   command->add_option(
       "--style", a->words.style,
       "Manner of a speaker, S00 to S11. Default: none in particular. Published models: one of their "
@@ -153,18 +156,25 @@ void add_animate_command(CLI::App& program, Chosen& chosen) {
   command->add_option("--view", a->view, "front, portrait, three-quarter, side or mouth")
       ->capture_default_str();
   command->add_flag("--allow-silence", a->allow_silence, "Animate a silent recording too: a face at rest");
+  command->add_option(
+      "--flame", a->flame,
+      "FLAME model (generic_model.pkl or .npz) that makes a face of ProbTalk3D's parameters: .npy, "
+      ".glb, meshes and pictures then show its vertices; .csv and .json stay parameters");
   add_vertex_options(*command, a->vertices);
   add_threads_option(*command, a->threads);
   add_console_options(*command, chosen);
-  add_footer(*command,
-             "  mien animate hello.wav\n"
-             "  mien animate lines/*.wav -o takes/ --takes 3\n"
-             "  mien animate a.wav b.wav -o '{name}.csv' -o '{name}.mp4'\n"
-             "  mien animate hello.wav -o hello.glb -o hello.csv -o hello.mp4 --emotion happy:2 --seed 7\n"
-             "  mien animate hello.wav --model biwi.safetensors --subject M3 --skip 450 -o hello.npy\n"
-             "  mien animate hello.wav --model said.safetensors --steps 50 --guidance 2 -o hello.said.csv\n"
-             "  mien animate hello.wav --model voca.safetensors --mesh FLAME_sample.ply -o hello.glb -o "
-             "hello.mp4\n");
+  add_footer(
+      *command,
+      "  mien animate hello.wav\n"
+      "  mien animate lines/*.wav -o takes/ --takes 3\n"
+      "  mien animate a.wav b.wav -o '{name}.csv' -o '{name}.mp4'\n"
+      "  mien animate hello.wav -o hello.glb -o hello.csv -o hello.mp4 --emotion happy:2 --seed 7\n"
+      "  mien animate hello.wav --model biwi.safetensors --subject M3 --skip 450 -o hello.npy\n"
+      "  mien animate hello.wav --model said.safetensors --steps 50 --guidance 2 -o hello.said.csv\n"
+      "  mien animate hello.wav --model probtalk3d.safetensors --style W028 --emotion happy:3 --takes 10 "
+      "-o hello.npy\n"
+      "  mien animate hello.wav --model voca.safetensors --mesh FLAME_sample.ply -o hello.glb -o "
+      "hello.mp4\n");
   command->callback(
       [a, &chosen] { chosen.work = [a](ConsoleProgress& progress) { return run_animate(*a, progress); }; });
 }

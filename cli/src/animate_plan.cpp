@@ -5,7 +5,11 @@
 #include <map>
 
 #include "character_source.h"
+#include "flame_outputs.h"
+#include "mien/core/flame_parameters.h"
+#include "mien/face/flame.h"
 #include "mien/io/character_file.h"
+#include "mien/io/flame_file.h"
 #include "mien/io/safetensors.h"
 #include "mien/models/face_model.h"
 #include "share.h"
@@ -44,7 +48,8 @@ Status direct(const AnimateArguments& a, const ModelFile& model, AnimatePlan& p)
     return Error{Errc::usage, word, "does not apply to this model: it is for SAiD",
                  "Leave it out, or name such a model with --model"};
   if (p.system == System::face) {
-    MIEN_TRY(p.face, face_options(a.words, a.face));
+    MIEN_TRY([[maybe_unused]] const auto checked, check_words(a.face, model));
+    MIEN_TRY(p.face, face_options(a.words, a.face, model));
     return Done{};
   }
   if (const std::string word = a.face.used(); !word.empty())
@@ -71,6 +76,28 @@ Status plan_mesh(const AnimateArguments& a, const ModelFile& model, AnimatePlan&
   }
   p.mesh = *mesh;
   return status;
+}
+
+// A model that gives FLAME parameters, and the FLAME model that makes a face of them, if there is one.
+Status plan_flame(const AnimateArguments& a, const ModelFile& model, AnimatePlan& p) {
+  if (model.output.space != "flame") {
+    if (a.flame.empty()) return Done{};
+    return Error{Errc::usage, "--flame", "is for models that give FLAME parameters", "Leave it out"};
+  }
+  if (a.flame.empty()) {
+    p.num_flame_parameters = model.output.channels;
+    return Done{};
+  }
+  MIEN_TRY(p.flame, read_flame_model(a.flame));
+  const auto needed = model.output.channels - static_cast<std::int64_t>(kNumFlameJaw);
+  const auto given = p.flame->num_shapes - static_cast<std::int64_t>(kNumFlameShape);
+  if (given < needed)
+    return Error{Errc::incompatible, "'" + a.flame + "'",
+                 "has " + std::to_string(given) + " expressions, the model moves " + std::to_string(needed),
+                 "Pass the FLAME model that goes with the data, such as FLAME 2020"};
+  p.mesh = flame_mesh(*p.flame);
+  if (p.vertices.mm_per_unit == 0) p.vertices.mm_per_unit = kFlameMmPerUnit;
+  return Done{};
 }
 
 std::string named(std::string pattern, const std::string& name) {
@@ -121,19 +148,23 @@ Status check_apart(const std::vector<ClipPlan>& clips) {
 }
 
 Status plan_clips(const AnimateArguments& a, bool moves_vertices, AnimatePlan& p) {
-  MIEN_TRY(const auto patterns, output_patterns(a, moves_vertices ? ".npy" : ".glb", p));
+  const bool is_flame = p.flame || p.num_flame_parameters > 0;
+  MIEN_TRY(const auto patterns, output_patterns(a, moves_vertices || is_flame ? ".npy" : ".glb", p));
   constexpr OutputKind kAll[] = {OutputKind::motion, OutputKind::video, OutputKind::sheet, OutputKind::frames,
                                  OutputKind::meshes};
-  const std::span<const OutputKind> kinds = std::span(kAll).first(moves_vertices ? 5 : 4);
+  const std::span<const OutputKind> kinds = std::span(kAll).first(moves_vertices || p.flame ? 5 : 4);
   std::vector<fs::path> inputs(a.speech.begin(), a.speech.end());
   for (const fs::path& other :
-       {p.model_path, p.character_path, fs::path(a.vertices.mesh), fs::path(a.said.init)})
+       {p.model_path, p.character_path, fs::path(a.vertices.mesh), fs::path(a.said.init), fs::path(a.flame)})
     inputs.push_back(other);
   for (const std::string& speech : a.speech) {
     std::vector<std::string> names;
     for (const std::string& pattern : patterns)
       names.push_back(named(pattern, fs::path(speech).stem().string()));
     MIEN_TRY(auto outputs, plan_outputs(names, inputs, kinds, a.takes));
+    if (is_flame) {
+      MIEN_TRY([[maybe_unused]] const auto fit, plan_flame_outputs(outputs, p.flame.has_value()));
+    }
     p.clips.push_back({speech, std::move(outputs)});
   }
   return check_apart(p.clips);
@@ -165,6 +196,8 @@ Result<AnimatePlan> plan_animation(const AnimateArguments& a) {
   if (!a.vertices.mesh.empty() && !moves_vertices)
     return Error{Errc::usage, "--mesh", "is for models that move vertices",
                  "Leave it out, or pass a face with --character"};
+  p.vertices = a.vertices;
+  MIEN_TRY([[maybe_unused]] const auto flame, plan_flame(a, model, p));
   const Status directed = direct(a, model, p);
   if (!directed) return directed.error();
   const auto size = parse_size(a.size);

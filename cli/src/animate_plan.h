@@ -10,6 +10,7 @@
 #include "mien/base/parallel.h"
 #include "mien/console/console_progress.h"
 #include "mien/core/character.h"
+#include "mien/core/flame_model.h"
 #include "mien/core/mesh.h"
 #include "outputs.h"
 #include "pictures.h"
@@ -21,7 +22,7 @@ namespace mien {
 /// The words of `mien animate`.
 struct AnimateArguments {
   std::vector<std::string> speech;
-  std::string model, character;
+  std::string model, character, flame;
   std::vector<std::string> outputs;
   DirectionWords words;
   FaceWords face;
@@ -48,15 +49,18 @@ struct ClipPlan {
 struct AnimatePlan {
   std::vector<ClipPlan> clips;
   std::vector<std::filesystem::path> folders;  ///< to make before the work
-  /// Which model performs: the default one, FaceXHuBERT or FaceDiffuser, or SAiD.
+  /// Which model performs: the default one, one that FaceModel runs, or SAiD.
   enum class System { standard, face, said } system = System::standard;
   PerformOptions options;
   FaceOptions face;
   SaidOptions said;
   std::filesystem::path model_path, character_path;
-  Bytes character_glb;                 ///< when a .glb is written
-  std::optional<Character> character;  ///< when pictures are drawn
-  std::optional<Mesh> mesh;            ///< of a model that moves vertices, which needs no character
+  Bytes character_glb;                    ///< when a .glb is written
+  std::optional<Character> character;     ///< when pictures are drawn
+  std::optional<Mesh> mesh;               ///< of a model that moves vertices, which needs no character
+  VertexOptions vertices;                 ///< of that mesh
+  std::optional<FlameModel> flame;        ///< makes the vertices, of the parameters that the model gives
+  std::int64_t num_flame_parameters = 0;  ///< of a model that gives them where nothing makes a face of them
   PictureOptions pictures;
 
   [[nodiscard]] std::vector<Output> all_outputs() const;
@@ -64,8 +68,8 @@ struct AnimatePlan {
 
 /// Everything that can be wrong with the words is found out here, before the work begins. In an output,
 /// {name} stands for the recording's file name without extension; for several recordings it must be there, or
-/// the output be a folder, which gets NAME.glb (.npy for models that move vertices). Errors: Errc::usage;
-/// those of reading the model's description.
+/// the output be a folder, which gets NAME.glb (.npy for models that move vertices or FLAME parameters).
+/// Errors: Errc::usage; those of reading the model's description.
 Result<AnimatePlan> plan_animation(const AnimateArguments& arguments);
 
 /// Loads characters, makes folders and tries all places that will be written. Errors (Errc::failed): a place

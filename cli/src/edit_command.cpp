@@ -3,6 +3,7 @@
 
 #include "character_source.h"
 #include "face_director.h"
+#include "flame_outputs.h"
 #include "keep_words.h"
 #include "mien/base/number_text.h"
 #include "mien/base/parallel.h"
@@ -62,6 +63,9 @@ Result<Targets> targets(const EditArguments& a, const fs::path& model, const Mot
   const std::array<fs::path, 7> inputs = {a.motion,    a.speech,    model,          face,
                                           a.keep.mask, a.keep.keys, a.vertices.mesh};
   MIEN_TRY(t.outputs, plan_outputs(a.outputs, inputs, std::span(kKinds).first(is_mesh ? 5 : 4), a.takes));
+  if (motion.space == MotionSpace::flame) {
+    MIEN_TRY([[maybe_unused]] const auto fit, plan_flame_outputs(t.outputs, /*has_flame=*/false));
+  }
   MIEN_TRY([[maybe_unused]] const auto writable, check_writable(t.outputs));
   for (const Output& output : t.outputs) {
     if (output.is_glb() && !is_mesh && t.character_glb.empty()) {
@@ -118,7 +122,7 @@ Result<std::vector<Motion>> perform(const EditArguments& a, const fs::path& path
     MIEN_TRY(const SaidModel said, SaidModel::load(path, precision));
     takes = edit(said, *speech, motion, kept, options, a.takes, a.threads, progress);
   } else {
-    MIEN_TRY(const FaceOptions options, face_options(a.words, a.face));
+    MIEN_TRY(const FaceOptions options, face_options(a.words, a.face, model));
     MIEN_TRY(const FaceModel face, FaceModel::load(path, a.threads, precision));
     takes = edit(face, *speech, motion, kept, options, a.takes, a.threads, progress);
   }
@@ -151,7 +155,8 @@ Result<ModelFile> describe(const EditArguments& a, const SafetensorsFile& file) 
     model.warnings = options.warnings;
     return model;
   }
-  MIEN_TRY([[maybe_unused]] const auto options, face_options(a.words, a.face));
+  MIEN_TRY([[maybe_unused]] const auto checked, check_words(a.face, *model));
+  MIEN_TRY([[maybe_unused]] const auto options, face_options(a.words, a.face, *model));
   return model;
 }
 

@@ -6,6 +6,25 @@
 
 namespace mien {
 
+namespace {
+
+std::string of_codes(const FaceWords& face) {
+  if (face.temperature) return "--temperature";
+  if (face.draw != 1) return "--draw";
+  return face.noise ? "--noise" : "";
+}
+
+std::string of_diffusion(const FaceWords& face) {
+  if (!face.respacing.empty()) return "--respacing";
+  if (face.skip) return "--skip";
+  if (face.eta != 0) return "--eta";
+  if (face.same_noise) return "--const-noise";
+  if (face.has_steps) return "--steps";
+  return face.has_sampler ? "--sampler" : "";
+}
+
+}  // namespace
+
 void add_face_options(CLI::App& command, DirectionWords& words, FaceWords& face) {
   command
       .add_option("--steps", words.steps,
@@ -14,14 +33,17 @@ void add_face_options(CLI::App& command, DirectionWords& words, FaceWords& face)
       ->each([&face](const std::string&) { face.has_steps = true; });
   command
       .add_option("--sampler", words.sampler,
-                  "dpm++, ddim or ddpm. Default: dpm++; published models: ddpm, SAiD: ddim")
+                  "dpm++, ddim or ddpm. Default: dpm++; published models: ddpm, SAiD and the emotional "
+                  "FaceDiffuser: ddim")
       ->each([&face](const std::string&) { face.has_sampler = true; });
   command.add_option("--subject", face.subject,
                      "Published models: whose manner and neutral face, one of the model's subjects");
   command.add_option("--template", face.neutral,
                      "Published models: whose neutral face. Default: that of --style");
   command
-      .add_option("--skip", face.skip, "Published models: noisiest diffusion steps to leave out. Default: 0")
+      .add_option("--skip", face.skip,
+                  "Published models: noisiest diffusion steps to leave out. Default: 0; emotional "
+                  "FaceDiffuser: 900")
       ->check(CLI::Range(0, 100000));
   command.add_option("--respacing", face.respacing,
                      "Published models: which steps to keep: ddim50, or counts for equal sections: 10,15,20");
@@ -30,6 +52,19 @@ void add_face_options(CLI::App& command, DirectionWords& words, FaceWords& face)
       ->check(CLI::Range(0.0, 1.0));
   command.add_flag("--const-noise", face.same_noise,
                    "Published models: fresh noise of a step is the same in all frames");
+  command
+      .add_option("--temperature", face.temperature,
+                  "ProbTalk3D: how freely codes are drawn; 0 takes the nearest code, the same in every take. "
+                  "Default: 0.2; 0.1 to 0.5 are recommended")
+      ->check(CLI::Range(0.0, 1e6));
+  command.add_option("--draw", face.draw, "ProbTalk3D: take the K-th code of a draw without replacement")
+      ->check(CLI::Range(1, 1'000'000))
+      ->capture_default_str();
+  command
+      .add_option("--noise", face.noise,
+                  "ProbTalk3D's Gaussian variant: deviations from the mean, times this; 0 gives the mean. "
+                  "Default: 20")
+      ->check(CLI::Range(0.0, 1e6));
   command.add_option("--precision", face.precision,
                      "Published models: numbers of the speech encoder (and of SAiD's denoiser), f32, bf16 or "
                      "int8. Default: f32");
@@ -47,10 +82,11 @@ std::string FaceWords::used() const {
   if (!subject.empty()) return "--subject";
   if (!neutral.empty()) return "--template";
   if (!respacing.empty()) return "--respacing";
-  if (skip != 0) return "--skip";
+  if (skip) return "--skip";
   if (eta != 0) return "--eta";
   if (!precision.empty()) return "--precision";
   if (window_s) return "--window";
+  if (const std::string word = of_codes(*this); !word.empty()) return word;
   return same_noise ? "--const-noise" : "";
 }
 
@@ -69,25 +105,45 @@ Result<EncoderPrecision> encoder_precision(const FaceWords& face) {
   return precision;
 }
 
-Result<FaceOptions> face_options(const DirectionWords& words, const FaceWords& face) {
-  FaceOptions options;
+Status check_words(const FaceWords& face, const ModelFile& model) {
+  const bool draws_codes = model.architecture == Architecture::probtalk3d;
+  if (const std::string word = draws_codes ? of_diffusion(face) : of_codes(face); !word.empty())
+    return Error{Errc::usage, word,
+                 draws_codes ? "does not apply to ProbTalk3D, which has no diffusion"
+                             : "does not apply to this model: it is for ProbTalk3D",
+                 "Leave it out"};
+  if (draws_codes && !face.neutral.empty())
+    return Error{Errc::usage, "--template", "does not apply to ProbTalk3D, which moves FLAME's parameters",
+                 "Leave it out"};
+  return Done{};
+}
+
+Result<FaceOptions> face_options(const DirectionWords& words, const FaceWords& face, const ModelFile& model) {
+  FaceOptions options = published_options(model);
+  // Another choice of steps than the authors' begins with all of them.
+  if (face.has_steps || face.has_sampler || !face.respacing.empty()) options.skip = 0;
   options.style = words.style.empty() ? face.subject : words.style;
   options.neutral = face.neutral.empty() ? face.subject : face.neutral;
   options.emotion = words.emotion;
-  const auto sampler = parse_sampler(face.has_sampler ? words.sampler : "ddpm");
-  if (!sampler)
-    return Error{Errc::usage, "--sampler '" + words.sampler + "'", "is not known",
-                 "Known: dpm++, ddim, ddpm"};
-  options.sampler.kind = *sampler;
-  if (face.eta != 0 && *sampler != SamplerKind::ddim)
+  if (face.has_sampler) {
+    const auto sampler = parse_sampler(words.sampler);
+    if (!sampler)
+      return Error{Errc::usage, "--sampler '" + words.sampler + "'", "is not known",
+                   "Known: dpm++, ddim, ddpm"};
+    options.sampler.kind = *sampler;
+  }
+  if (face.eta != 0 && options.sampler.kind != SamplerKind::ddim)
     return Error{Errc::usage, "--eta", "is of the sampler ddim", "Add --sampler ddim, or leave it out"};
   options.sampler.eta = face.eta;
   if (face.has_steps && !face.respacing.empty())
     return Error{Errc::usage, "--steps", "and --respacing both choose the steps", "Leave one of them out"};
   options.respacing = face.has_steps ? std::to_string(words.steps) : face.respacing;
-  options.skip = face.skip;
+  if (face.skip) options.skip = *face.skip;
   options.same_noise = face.same_noise;
   options.seed = words.seed;
+  if (face.temperature) options.draw.temperature = *face.temperature;
+  if (face.noise) options.draw.noise_factor = *face.noise;
+  options.draw.place = face.draw;
   if (face.window_s) options.windows = *face.window_s > 0 ? windows_of(*face.window_s) : EncoderWindows();
   return options;
 }

@@ -11,14 +11,16 @@ class App;
 
 namespace mien {
 
-/// The words of the command line that direct FaceXHuBERT and FaceDiffuser beside DirectionWords.
+/// The words of the command line that direct published systems beside DirectionWords.
 struct FaceWords {
   std::string subject, neutral, respacing;
-  int skip = 0;
+  std::optional<int> skip;
   double eta = 0;
   bool same_noise = false;
-  std::string precision;           ///< of the speech encoder: "f32", "bf16", "int8"; empty: f32
-  std::optional<double> window_s;  ///< of speech that is encoded at once; 0: all of it
+  std::string precision;                     ///< of the speech encoder: "f32", "bf16", "int8"; empty: f32
+  std::optional<double> window_s;            ///< of speech that is encoded at once; 0: all of it
+  std::optional<double> temperature, noise;  ///< of ProbTalk3D's draws and of its Gaussian variant
+  int draw = 1;                              ///< ProbTalk3D: which code of a draw
   /// Whether --steps and --sampler were given: their defaults are those of the default model.
   bool has_steps = false, has_sampler = false;
 
@@ -32,8 +34,12 @@ void add_face_options(CLI::App& command, DirectionWords& words, FaceWords& face)
 /// Errors (Errc::usage): an unknown word, or one that this processor cannot do.
 Result<EncoderPrecision> encoder_precision(const FaceWords& face);
 
+/// Errors (Errc::usage): a word that means nothing to this model.
+Status check_words(const FaceWords& face, const ModelFile& model);
+
 /// --subject stands for both --style and --template. --steps M is a process of M steps spread evenly; without
-/// it all steps are walked. Errors (Errc::usage): an unknown sampler, words that exclude each other.
-Result<FaceOptions> face_options(const DirectionWords& words, const FaceWords& face);
+/// it the walk is that of published_options(). Errors (Errc::usage): an unknown sampler, words that exclude
+/// each other.
+Result<FaceOptions> face_options(const DirectionWords& words, const FaceWords& face, const ModelFile& model);
 
 }  // namespace mien

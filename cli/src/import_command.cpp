@@ -87,9 +87,15 @@ void add_import_command(CLI::App& program, Chosen& chosen) {
   command->add_option("--scaler", a->scaler, "Scaler of the rig's controls, for FaceDiffuser B-DAMM: .pkl");
   command->add_option("--region", a->options.regions,
                       "Region of the mesh: lve.txt, fdd.txt or NAME=FILE. May be repeated");
-  command->add_option("--system", a->options.system,
-                      "What SOURCE is, when it shall not be told by its tensors: speech_encoder, "
-                      "facexhubert, facediffuser_v, facediffuser_beat, facediffuser_damm, said or said_vae");
+  command->add_option(
+      "--system", a->options.system,
+      "What SOURCE is, when it shall not be told by its tensors: speech_encoder, "
+      "facexhubert, facediffuser_v, facediffuser_beat, facediffuser_damm, facediffuser_emotion, "
+      "probtalk3d, probtalk3d_prior, said or said_vae");
+  command
+      ->add_option("--heads", a->options.heads,
+                   "Attention heads of ProbTalk3D, where the checkpoint does not say. Default: 8")
+      ->check(CLI::Range(1, 1024));
   command->add_option("--subjects", a->subjects, "Names of the training subjects, in order: F2,F3,F4");
   command->add_option("--fps", a->options.fps, "Frames a second of the motion, where the mesh does not tell")
       ->check(CLI::Range(1.0, 240.0));
@@ -104,7 +110,8 @@ void add_import_command(CLI::App& program, Chosen& chosen) {
              "  mien import hubert-base-ls960/ -o hubert.safetensors\n"
              "  mien import pretrained_BIWI.pth templates.pkl -o biwi.safetensors\n"
              "  mien import pretrained_DAMM.pth --scaler scaler.pkl --half -o damm.safetensors\n"
-             "  mien import SAiD.pth -o said.safetensors\n");
+             "  mien import SAiD.pth -o said.safetensors\n"
+             "  mien import last.ckpt -o probtalk3d.safetensors\n");
   command->callback(
       [a, &chosen] { chosen.work = [a](ConsoleProgress& progress) { return run_import(*a, progress); }; });
 }

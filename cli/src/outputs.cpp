@@ -47,15 +47,15 @@ Result<Output> plan_output(const std::string& name, std::span<const OutputKind> 
   if (const fs::path folder = without_slash(name);
       name.ends_with('/') && is_allowed(OutputKind::meshes) &&
       (lower_extension(folder) == ".obj" || lower_extension(folder) == ".vl"))
-    return Output{folder, OutputKind::meshes};
+    return Output{.path = folder, .kind = OutputKind::meshes};
   if (name.ends_with('/') && is_allowed(OutputKind::frames))
-    return Output{without_slash(name), OutputKind::frames};
+    return Output{.path = without_slash(name), .kind = OutputKind::frames};
   const std::string extension = lower_extension(name);
   std::vector<std::string> known;
   std::string list;
   for (const auto& e : kExtensions) {
     if (!is_allowed(e.kind)) continue;
-    if (extension == e.extension) return Output{name, e.kind};
+    if (extension == e.extension) return Output{.path = name, .kind = e.kind};
     known.emplace_back(e.extension);
     list += (list.empty() ? "" : ", ") + std::string(e.extension);
   }

@@ -9,8 +9,10 @@
 #include <cmath>
 #include <functional>
 
+#include "closeness.h"
 #include "fixture.h"
 #include "mien/base/file.h"
+#include "mien/models/face_model.h"
 #include "mien/models/import/import_model.h"
 
 namespace mien::parity {
@@ -327,17 +329,131 @@ TEST_F(ImportParity, ScalerOfTheRig) {
   if (count == 0) GTEST_SKIP() << "no recorded scalers in " << fixture_root();
 }
 
-TEST_F(ImportParity, OtherSystemsAreRefusedByName) {
-  const auto expect = [&](const char* file, const char* system) {
-    const fs::path path = fixture_root() / file;
-    if (!fs::exists(path)) return;
-    const auto model = import({.sources = {path}});
-    ASSERT_FALSE(model) << file;
-    EXPECT_EQ(model.error().code, Errc::incompatible);
-    EXPECT_THAT(model.error().message(), HasSubstr(system));
-  };
-  expect("probtalk3d/stage2_last.ckpt", "holds ProbTalk3D");
-  expect("probtalk3d/facediffuser_emo_state_dict.pth", "emotional FaceDiffuser of ProbTalk3D");
+// Sixteen-bit samples at 16 kHz as a clip.
+AudioClip clip_of(const Fixture& recorded) {
+  const Tensor samples = recorded.tensor("in.audio_float");
+  AudioClip clip;
+  clip.samples.assign(samples.values().begin(), samples.values().end());
+  return clip;
+}
+
+// From a Lightning checkpoint with everything that a trainer leaves in it to the recorded parameters.
+TEST_F(ImportParity, ProbTalk3DFromItsCheckpoint) {
+  const fs::path folder = fixture_root() / "probtalk3d";
+  if (!fs::exists(folder / "stage2_last.ckpt"))
+    GTEST_SKIP() << "no recorded probtalk3d in " << fixture_root();
+  const Fixture recorded("probtalk3d", "stage2_last_expected.safetensors");
+  ImportOptions options{.sources = {folder / "stage2_last.ckpt"}};
+  options.encoder = folder_ / "config.json";
+  ASSERT_TRUE(write_file(options.encoder, std::string_view(recorded.metadata("hubert"))));
+  const auto model = import(options);
+  ASSERT_TRUE(model) << model.error().message();
+  const ModelFile& m = imported_.description;
+  EXPECT_EQ(m.architecture, Architecture::probtalk3d);
+  EXPECT_EQ(m.output.space, "flame");
+  EXPECT_EQ(m.output.fps, 25);
+  EXPECT_EQ(m.encoder->normalise_eps, 1e-5);
+  EXPECT_EQ(m.subjects.size() + m.emotions.size() + m.intensities.size(),
+            static_cast<std::size_t>(recorded.tensor("in.style_onehot").count()));
+  EXPECT_EQ(m.subjects.front(), "M003");
+  EXPECT_EQ(m.emotions.back(), "contempt");
+  // Every tensor of the file is one of the checkpoint's, and the buffers were left out.
+  const Fixture stage2("probtalk3d", "stage2_audio.safetensors");
+  const int heads = std::stoi(stage2.metadata("heads"));
+  EXPECT_EQ(m.sizes.at("heads"), heads) << "of the checkpoint's own options";
+  int num_equal = 0;
+  for (const auto& tensor : model->tensors()) {
+    const bool is_encoder = tensor.name.starts_with(kEncoder);
+    const std::string name =
+        is_encoder ? "feature_extractor.audiomodel." + tensor.name.substr(kEncoder.size()) : tensor.name;
+    ASSERT_TRUE(stage2.has(name)) << name;
+    EXPECT_EQ(
+        first_difference(model->read_float(tensor.name).value(), stage2.file().read_float(name).value()), "")
+        << name;
+    ++num_equal;
+  }
+  EXPECT_GT(num_equal, 100);
+
+  const auto face = FaceModel::load(out());
+  ASSERT_TRUE(face) << face.error().message();
+  const std::string key = recorded.metadata("keyid");  // identity, x, emotion, intensity
+  FaceOptions words;
+  words.style = key.substr(0, key.find('_'));
+  words.emotion = m.emotions.at(static_cast<std::size_t>(key.at(key.size() - 3) - '0')) + ":" +
+                  m.intensities.at(static_cast<std::size_t>(key.back() - '0'));
+  words.draw.temperature = 0;
+  Progress progress;
+  const auto takes = animate(*face, clip_of(recorded), words, 2, 2, progress);
+  ASSERT_TRUE(takes) << takes.error().message();
+  const Tensor want = recorded.tensor("out.motion");
+  std::vector<float> normalised = takes->front().values;
+  apply_scaler(*m.scaler, normalised);
+  ASSERT_EQ(takes->front().num_frames(), want.num_rows());
+  MIEN_EXPECT_CLOSE(Tensor(want.shape(), normalised), want, "motion");
+  EXPECT_EQ(takes->front().values, takes->back().values) << "the nearest codes are the same in every take";
+}
+
+// Stage 1 alone, from weights without a trainer's options.
+TEST_F(ImportParity, ProbTalk3DMotionPriors) {
+  for (const char* name : {"vqvae_stage1", "vae_stage1"}) {
+    const fs::path file = fixture_root() / "probtalk3d" / (std::string(name) + ".safetensors");
+    if (!fs::exists(file)) GTEST_SKIP() << "no recorded " << file;
+    const Fixture recorded("probtalk3d", std::string(name) + ".safetensors");
+    ImportOptions options{.sources = {file}};
+    options.heads = std::stoll(recorded.metadata("heads"));
+    const auto model = import(options);
+    ASSERT_TRUE(model) << model.error().message();
+    EXPECT_EQ(imported_.description.architecture, Architecture::probtalk3d_prior);
+    EXPECT_EQ(imported_.description.sizes.at("heads"), *options.heads);
+    EXPECT_EQ(model->find("quantize.embedding.weight") != nullptr, recorded.has("quantize.embedding.weight"));
+    const auto read = read_model_file(model->metadata());
+    ASSERT_TRUE(read) << read.error().message();
+    EXPECT_FALSE(FaceModel::load(out())) << "it cannot hear";
+  }
+}
+
+// Both layouts of the archive give the same model, which is told from FaceDiffuser V by its style.
+TEST_F(ImportParity, EmotionalFaceDiffuserFromItsStateDict) {
+  const fs::path folder = fixture_root() / "probtalk3d";
+  if (!fs::exists(folder / "facediffuser_emo.safetensors"))
+    GTEST_SKIP() << "no recorded probtalk3d in " << fixture_root();
+  const Fixture recorded("probtalk3d", "facediffuser_emo.safetensors");
+  ImportOptions options;
+  options.encoder = folder_ / "config.json";
+  ASSERT_TRUE(write_file(options.encoder, std::string_view(recorded.metadata("hubert"))));
+  for (const char* file : {"facediffuser_emo_state_dict.pth", "facediffuser_emo_state_dict_newzip.pth"}) {
+    SCOPED_TRACE(file);
+    options.sources = {folder / file};
+    const auto model = import(options);
+    ASSERT_TRUE(model) << model.error().message();
+    const ModelFile& m = imported_.description;
+    EXPECT_EQ(m.architecture, Architecture::facediffuser_emotion);
+    EXPECT_EQ(m.output.space, "vertices");
+    EXPECT_EQ(m.output.fps, 25);
+    EXPECT_EQ(m.diffusion->steps, 1000);
+    EXPECT_EQ(m.subjects.size() + m.emotions.size() + m.intensities.size(),
+              static_cast<std::size_t>(recorded.tensor("in.style_onehot").count()));
+    for (const auto& tensor : model->tensors())
+      EXPECT_EQ(first_difference(model->read_float(tensor.name).value(),
+                                 recorded.file().read_float(tensor.name).value()),
+                "")
+          << tensor.name;
+  }
+  const auto face = FaceModel::load(out());
+  ASSERT_TRUE(face) << face.error().message();
+  FaceOptions words = published_options(face->description());
+  EXPECT_EQ(words.skip, 900);
+  AudioClip clip;
+  const auto pcm = recorded.file().as<std::int32_t>("in.pcm16");
+  ASSERT_TRUE(pcm) << pcm.error().message();
+  for (const std::int32_t sample : *pcm) clip.samples.push_back(static_cast<float>(sample) / 32768.0f);
+  Progress progress;
+  words.emotion = "angry:3";
+  const auto angry = animate(*face, clip, words, 1, 1, progress);
+  ASSERT_TRUE(angry) << angry.error().message();
+  EXPECT_EQ(angry->front().num_frames(), std::stoll(recorded.metadata("num_frames")));
+  words.emotion = "sad:1";
+  EXPECT_NE(animate(*face, clip, words, 1, 1, progress)->front().values, angry->front().values);
 }
 
 }  // namespace

@@ -4,12 +4,15 @@
 #include <optional>
 #include <utility>
 
+#include "choose_name.h"
 #include "face_parts.h"
 #include "mien/base/parallel.h"
 #include "mien/models/alignment.h"
 #include "mien/models/facediffuser/frame_diffusion.h"
 #include "mien/models/seeds.h"
 #include "mien/motion/diffusion_process.h"
+#include "probtalk3d/animate.h"
+#include "probtalk3d/style_choice.h"
 
 namespace mien {
 namespace {
@@ -17,31 +20,10 @@ namespace {
 constexpr std::uint32_t kNoiseStream = 2;  // of the diffusion; the default model has 1
 constexpr std::int64_t kBlockFrames = 128;
 
-std::string list_of(const std::vector<std::string>& names) {
-  std::string text;
-  for (const auto& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text;
-}
-
-// Index of `wanted` in `names`, or of the default when nothing is wanted.
-Result<std::int64_t> choose(const std::string& option, const std::string& wanted,
-                            const std::vector<std::string>& names, std::size_t by_default) {
-  if (names.empty()) {
-    if (wanted.empty()) return std::int64_t{0};
-    return Error{Errc::usage, option + " '" + wanted + "'", "the model has no such choice",
-                 "Leave the option out"};
-  }
-  if (wanted.empty()) return static_cast<std::int64_t>(by_default);
-  const auto found = std::find(names.begin(), names.end(), wanted);
-  if (found == names.end())
-    return Error{Errc::usage, option + " '" + wanted + "'", "the model does not know it",
-                 "It knows: " + list_of(names)};
-  return static_cast<std::int64_t>(found - names.begin());
-}
-
 // What the words mean for this model.
 struct Conditions {
-  std::int64_t style = 0, emotion = 0;
+  std::int64_t emotion = 0;
+  Tensor style;    // weights of the style's columns, [1, columns]; empty when the output is not a mesh
   Tensor neutral;  // [1, D]; empty when the output is not a mesh
 };
 
@@ -49,30 +31,27 @@ Result<Conditions> conditions(const FaceModel::Parts& model, const FaceOptions& 
   const ModelFile& d = model.description;
   Conditions c;
   const bool is_mesh = d.output.space == "vertices";
-  MIEN_TRY(c.style, choose("--style", options.style, is_mesh ? d.subjects : std::vector<std::string>(), 0));
-  MIEN_TRY(c.emotion,
-           choose("--emotion", options.emotion, d.emotions, d.emotions.empty() ? 0 : d.emotions.size() - 1));
+  MIEN_TRY(const std::int64_t subject,
+           choose_name("--style", options.style, is_mesh ? d.subjects : std::vector<std::string>(), 0));
+  if (!d.intensities.empty()) {
+    MIEN_TRY(const auto weights, probtalk3d::chosen_style(d, options));
+    c.style = Tensor({1, static_cast<std::int64_t>(weights.size())}, weights);
+  } else {
+    MIEN_TRY(c.emotion, choose_name("--emotion", options.emotion, d.emotions,
+                                    d.emotions.empty() ? 0 : d.emotions.size() - 1));
+    if (is_mesh)
+      c.style = Operations<Tensor>::one_hot({}, subject, static_cast<std::int64_t>(d.subjects.size()));
+  }
   std::vector<std::string> names;
   for (const auto& neutral : model.neutrals) names.push_back(neutral.first);
   std::string own = options.neutral;
-  if (own.empty() && is_mesh && model.neutral(d.subjects[static_cast<std::size_t>(c.style)]) != nullptr)
-    own = d.subjects[static_cast<std::size_t>(c.style)];
-  MIEN_TRY(const std::int64_t face, choose("--template", own, names, 0));
+  if (own.empty() && is_mesh && model.neutral(d.subjects[static_cast<std::size_t>(subject)]) != nullptr)
+    own = d.subjects[static_cast<std::size_t>(subject)];
+  MIEN_TRY(const std::int64_t face, choose_name("--template", own, names, 0));
   if (is_mesh)
     c.neutral = names.empty() ? Tensor({1, d.output.channels})
                               : model.neutrals[static_cast<std::size_t>(face)].second;
   return c;
-}
-
-// Back from the range of the training data to the rig's own.
-void unscale(const ModelFile& description, Tensor& frames) {
-  if (!description.scaler) return;
-  for (std::int64_t n = 0; n < frames.num_rows(); ++n) {
-    const auto row = frames.row(n);
-    for (std::size_t c = 0; c < row.size(); ++c)
-      row[c] = static_cast<float>((static_cast<double>(row[c]) - description.scaler->min[c]) /
-                                  description.scaler->scale[c]);
-  }
 }
 
 // Gives each take its frames. The first take with an error speaks.
@@ -92,14 +71,10 @@ KeptValues scaled(const ModelFile& description, const KeptValues& kept) {
   std::vector<float> values, weights;
   for (std::int64_t n = 0; n < kept.num_frames(); ++n)
     for (std::int64_t c = 0; c < kept.num_channels(); ++c) {
-      const auto at = static_cast<std::size_t>(c);
-      const float value = kept.value(n, c);
-      values.push_back(description.scaler
-                           ? static_cast<float>(static_cast<double>(value) * description.scaler->scale[at] +
-                                                description.scaler->min[at])
-                           : value);
+      values.push_back(kept.value(n, c));
       weights.push_back(kept.weight(n, c));
     }
+  if (description.scaler) apply_scaler(*description.scaler, values);
   return {kept.num_channels(), std::move(values), std::move(weights)};
 }
 
@@ -187,10 +162,6 @@ SeededFrameNoise noise_of(int take, std::int64_t width, const FaceOptions& optio
   return {performance_seed(options.seed, take), kNoiseStream, width, options.same_noise};
 }
 
-Tensor style_of(const facediffuser::VertexDenoiser<Tensor>& network, const Conditions& given) {
-  return network.style(Operations<Tensor>::one_hot({}, given.style, network.sizes.num_subjects));
-}
-
 // One walk for all takes of all clips, side by side through the same weights.
 class SharedWalk {
  public:
@@ -204,7 +175,7 @@ class SharedWalk {
       facediffuser::Lane own;
       own.noise = &noise_[lane % noise_.size()];
       if (model.vertices != nullptr) {
-        own.style = style_of(*model.vertices, given);
+        own.style = model.vertices->style(given.style);
         own.neutral = given.neutral;
       }
       lanes.push_back(std::move(own));
@@ -227,7 +198,7 @@ class SharedWalk {
   Status hand_out_clip(std::size_t clip, std::int64_t count, const FrameSink& sink) {
     return hand_out(num_takes_, num_threads_, sink, [&](int take) -> std::span<const float> {
       Tensor& own = frames_[clip * noise_.size() + static_cast<std::size_t>(take)];
-      unscale(model_.description, own);
+      if (model_.description.scaler) undo_scaler(*model_.description.scaler, own.values());
       return own.values().first(static_cast<std::size_t>(count * own.width()));
     });
   }
@@ -274,7 +245,7 @@ Result<MakeFrames> diffusing_plainly(const FaceModel::Parts& model, std::shared_
                      process](const Tensor& speech) -> Status {
     facediffuser::Conditions<Tensor> conditions{network->speech_tokens(speech), {}, {}};
     if constexpr (std::is_same_v<Network, facediffuser::VertexDenoiser<Tensor>>) {
-      conditions.style = style_of(*network, given);
+      conditions.style = network->style(given.style);
       conditions.neutral = given.neutral;
     }
     // After an interruption the rest of a walk costs nothing.
@@ -290,7 +261,7 @@ Result<MakeFrames> diffusing_plainly(const FaceModel::Parts& model, std::shared_
                                                              walk, noise_of(take, width, options))
                               : network->predict_x0({}, conditions, 0);
       if (progress.cancelled()) return Error{Errc::cancelled, "animating", "interrupted", ""};
-      unscale(model.description, frames);
+      if (model.description.scaler) undo_scaler(*model.description.scaler, frames.values());
       MIEN_TRY([[maybe_unused]] const auto written, sink(take, frames.values()));
     }
     return Done{};
@@ -300,12 +271,11 @@ Result<MakeFrames> diffusing_plainly(const FaceModel::Parts& model, std::shared_
 MakeFrames predicting(const FaceModel::Parts& model, const Conditions& given, int num_takes, int num_threads,
                       const FrameSink& sink) {
   const auto& sizes = model.facexhubert->sizes;
-  const Tensor subject = Operations<Tensor>::one_hot({}, given.style, sizes.num_subjects);
   const Tensor emotion = Operations<Tensor>::one_hot({}, given.emotion, sizes.num_emotions);
   // Recurrent decoders read the clip block after block.
   const auto past =
       model.facexhubert->decoder.is_recurrent() ? std::make_shared<std::vector<Tensor>>() : nullptr;
-  return [&model, &sink, subject, emotion, neutral = given.neutral, past, num_takes,
+  return [&model, &sink, subject = given.style, emotion, neutral = given.neutral, past, num_takes,
           num_threads](const Tensor& speech) -> Status {
     const Tensor frames = (*model.facexhubert)(speech, subject, emotion, neutral, past.get());
     // It has no randomness: takes are equal.
@@ -439,6 +409,8 @@ Status animate(const FaceModel& model, SampleSource& speech, const FaceOptions& 
                int num_threads, Progress& progress, const FrameSink& sink) {
   contract(num_takes >= 1, "animate: at least one take is needed");
   const FaceModel::Parts& parts = model.parts();
+  if (parts.probtalk3d != nullptr)
+    return probtalk3d::animate(parts, speech, options, num_takes, num_threads, progress, sink);
   MIEN_TRY(const Conditions given, conditions(parts, options));
   progress.stage("hearing", 0);
   MIEN_TRY(const HeardSpeech heard, hear(parts, speech));

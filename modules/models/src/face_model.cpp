@@ -1,9 +1,13 @@
 #include "mien/models/face_model.h"
 
+#include <algorithm>
+
 #include "face_parts.h"
 #include "mien/core/arkit.h"
+#include "mien/core/flame_parameters.h"
 #include "mien/core/rig_controls.h"
 #include "mien/models/alignment.h"
+#include "mien/models/probtalk3d/conventions.h"
 #include "mien/models/runtime_parameters.h"
 
 namespace mien {
@@ -47,7 +51,8 @@ Result<facexhubert::Sizes> facexhubert_sizes(const SafetensorsFile& file, const 
 
 Result<facediffuser::Sizes> diffuser_sizes(const SafetensorsFile& file, const ModelFile& description) {
   using facediffuser::NoiseEncoder;
-  MIEN_TRY(facediffuser::Sizes sizes, facediffuser::sizes_of(file));
+  const bool has_emotions = description.architecture == Architecture::facediffuser_emotion;
+  MIEN_TRY(facediffuser::Sizes sizes, facediffuser::sizes_of(file, has_emotions));
   MIEN_TRY([[maybe_unused]] const auto known, describe_decoder(description, sizes.hidden, sizes.decoder));
   if (description.noise_encoder.empty()) return sizes;
   const auto kind = facediffuser::parse_noise_encoder(description.noise_encoder);
@@ -70,6 +75,15 @@ std::shared_ptr<const facediffuser::FoldedDenoiser> folded(const std::shared_ptr
   return std::make_shared<const facediffuser::FoldedDenoiser>(facediffuser::fold(network, num_threads...));
 }
 
+// No tensor tells it.
+std::int64_t heads_of(const ModelFile& description) {
+  const auto found = description.sizes.find("heads");
+  return found == description.sizes.end() ? 0 : found->second;
+}
+
+// How many of its steps the authors' program walks, the last ones.
+constexpr std::int64_t kEmotionalSteps = 100;
+
 Status load_decoder(const SafetensorsFile& file, FaceModel::Parts& parts, int num_threads) {
   using namespace facediffuser;
   switch (parts.description.architecture) {
@@ -78,7 +92,8 @@ Status load_decoder(const SafetensorsFile& file, FaceModel::Parts& parts, int nu
                load_network<facexhubert::Network<Tensor>>(file, facexhubert_sizes(file, parts.description)));
       return Done{};
     }
-    case Architecture::facediffuser_v: {
+    case Architecture::facediffuser_v:
+    case Architecture::facediffuser_emotion: {
       MIEN_TRY(parts.vertices,
                load_network<VertexDenoiser<Tensor>>(file, diffuser_sizes(file, parts.description)));
       parts.folded = folded(parts.vertices, num_threads);
@@ -94,8 +109,13 @@ Status load_decoder(const SafetensorsFile& file, FaceModel::Parts& parts, int nu
       parts.folded = folded(parts.damm);
       return Done{};
     }
+    case Architecture::probtalk3d: {
+      const auto sizes = probtalk3d::sizes_of(stored_shapes(file), heads_of(parts.description));
+      MIEN_TRY(parts.probtalk3d, load_network<probtalk3d::Network<Tensor>>(file, sizes));
+      return Done{};
+    }
     default:
-      return unfit("is not FaceXHuBERT or FaceDiffuser but '" +
+      return unfit("is not FaceXHuBERT, FaceDiffuser or ProbTalk3D but '" +
                    std::string(architecture_name(parts.description.architecture)) + "'");
   }
 }
@@ -131,11 +151,43 @@ Status check(const FaceModel::Parts& parts, std::int64_t condition, std::int64_t
   return Done{};
 }
 
+// Styles of identities, emotions and intensities side by side.
+Status check_styles(const ModelFile& d, std::int64_t num_columns) {
+  if (d.subjects.empty() || d.emotions.empty() || d.intensities.empty())
+    return unfit("names no subjects, emotions or intensities");
+  if (static_cast<std::int64_t>(d.subjects.size() + d.emotions.size() + d.intensities.size()) != num_columns)
+    return unfit("its subjects, emotions and intensities are not the " + std::to_string(num_columns) +
+                 " columns of its style");
+  return Done{};
+}
+
 }  // namespace
 
 bool FaceModel::runs(Architecture architecture) {
-  return architecture == Architecture::facexhubert || architecture == Architecture::facediffuser_v ||
-         architecture == Architecture::facediffuser_beat || architecture == Architecture::facediffuser_damm;
+  switch (architecture) {
+    case Architecture::facexhubert:
+    case Architecture::facediffuser_v:
+    case Architecture::facediffuser_beat:
+    case Architecture::facediffuser_damm:
+    case Architecture::facediffuser_emotion:
+    case Architecture::probtalk3d:
+      return true;
+    case Architecture::default_model:
+    case Architecture::speech_encoder:
+    case Architecture::said_vae:
+    case Architecture::said:
+    case Architecture::probtalk3d_prior:
+      break;
+  }
+  return false;
+}
+
+FaceOptions published_options(const ModelFile& model) {
+  FaceOptions options;
+  if (model.architecture != Architecture::facediffuser_emotion || !model.diffusion) return options;
+  options.sampler.kind = SamplerKind::ddim;
+  options.skip = std::max<std::int64_t>(0, model.diffusion->steps - kEmotionalSteps);
+  return options;
 }
 
 FaceModel::FaceModel(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
@@ -169,9 +221,19 @@ Result<FaceModel> FaceModel::load(const std::filesystem::path& path, int num_thr
   if (parts->facexhubert != nullptr) {
     const auto& s = parts->facexhubert->sizes;
     fits = check(*parts, s.input, s.num_channels, s.num_subjects, s.num_emotions, 0);
+  } else if (parts->probtalk3d != nullptr) {
+    const auto& s = parts->probtalk3d->sizes;
+    fits = check(*parts, s.condition, s.channels, 0, 0, 0);
+    if (fits) fits = check_styles(parts->description, s.style);
+    constexpr auto kMost = static_cast<std::int64_t>(kNumFlameExpression + kNumFlameJaw);
+    if (fits && (s.channels <= probtalk3d::kNumJaw || s.channels > kMost))
+      fits =
+          unfit("has " + std::to_string(s.channels) + " channels, which are not FLAME's expression and jaw");
   } else {
     const auto s = parts->diffuser_sizes();
-    fits = check(*parts, s.condition, s.num_channels, s.num_subjects, 0, s.num_steps);
+    const bool has_emotions = parts->description.architecture == Architecture::facediffuser_emotion;
+    fits = check(*parts, s.condition, s.num_channels, has_emotions ? 0 : s.num_subjects, 0, s.num_steps);
+    if (fits && has_emotions) fits = check_styles(parts->description, s.num_subjects);
   }
   if (!fits) return fail(fits.error());
   for (const std::string& subject : template_subjects(file)) {
@@ -194,6 +256,11 @@ Motion FaceModel::empty_motion() const {
   }
   Motion motion;
   motion.fps = output.fps;
+  if (output.space == "flame") {
+    motion.space = MotionSpace::flame;
+    motion.channels = flame_channels(0, static_cast<std::size_t>(output.channels) - kNumFlameJaw);
+    return motion;
+  }
   motion.space = output.space == "arkit" ? MotionSpace::arkit : MotionSpace::rig;
   if (motion.space == MotionSpace::arkit)
     motion.channels = arkit_order(ArkitOrder::beat);

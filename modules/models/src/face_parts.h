@@ -5,6 +5,7 @@
 #include "mien/models/face_model.h"
 #include "mien/models/facediffuser/folded_denoiser.h"
 #include "mien/models/facexhubert/network.h"
+#include "mien/models/probtalk3d/network.h"
 #include "mien/models/speech_encoder/encoder_runtime.h"
 
 namespace mien {
@@ -22,6 +23,7 @@ struct FaceModel::Parts {
   /// FaceDiffuser for sampling frame by frame; none where its decoder is no GRU, or V's noise encoder
   /// another, or it has no diffusion.
   std::shared_ptr<const facediffuser::FoldedDenoiser> folded{};
+  std::shared_ptr<const probtalk3d::Network<Tensor>> probtalk3d{};
 
   [[nodiscard]] facediffuser::Sizes diffuser_sizes() const {
     return vertices != nullptr ? vertices->sizes : beat != nullptr ? beat->sizes : damm->sizes;

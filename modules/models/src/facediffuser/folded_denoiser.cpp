@@ -63,6 +63,8 @@ FoldedDenoiser fold(std::shared_ptr<const VertexDenoiser<Tensor>> network, int n
   FoldedDenoiser f =
       fold_recurrence(network, &network->norm, {0, s.latent}, {s.latent, s.latent}, {2 * s.latent, s.latent});
   f.state_width = 2 * s.latent;
+  f.styles_speech = s.styles_speech;
+  f.style_width = s.styles_speech ? s.latent : s.hidden;
   f.to_state = [network, num_threads](const Tensor& rows) {
     return convolve_columns(linear(rows, network->noise.map.weight, {}, num_threads),
                             network->noise.filter.taps, Tensor({1}));

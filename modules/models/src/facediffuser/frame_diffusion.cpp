@@ -76,9 +76,9 @@ FrameDiffusion::FrameDiffusion(std::shared_ptr<const FoldedDenoiser> denoiser,
   }
   for (const Lane& lane : lanes_) {
     contract(lane.noise != nullptr, "FrameDiffusion: a lane has no noise");
-    contract(lane.style.count() == (f.is_latent() ? f.hidden : 0) &&
-                 lane.neutral.count() == (f.is_latent() ? f.output_width : 0),
-             "FrameDiffusion: style and neutral face do not fit the denoiser");
+    contract(
+        lane.style.count() == f.style_width && lane.neutral.count() == (f.is_latent() ? f.output_width : 0),
+        "FrameDiffusion: style and neutral face do not fit the denoiser");
     state_neutral_.push_back(f.is_latent() ? f.to_state(add(lane.neutral, f.output_bias))
                                            : f.output_bias.reshaped({1, f.output_width}));
   }
@@ -98,7 +98,9 @@ void FrameDiffusion::read_speech(std::span<const Tensor> speech, Block& block) c
   for (std::int64_t lane = 0; lane < num_lanes; ++lane) {
     const Tensor& own = speech[static_cast<std::size_t>(lane)];
     contract(own.num_rows() == block.num_frames, "FrameDiffusion: lanes have unequal numbers of frames");
-    const Tensor tokens = denoiser_->speech_tokens(own);
+    Tensor tokens = denoiser_->speech_tokens(own);
+    if (denoiser_->styles_speech)
+      tokens = Operations<Tensor>::mul(std::move(tokens), lanes_[static_cast<std::size_t>(lane)].style);
     const Tensor gates = linear(tokens, denoiser_->speech_gates, {}, num_threads_);
     for (std::int64_t n = 0; n < block.num_frames; ++n) {
       const std::int64_t row = n * num_lanes + lane;
@@ -194,7 +196,7 @@ void FrameDiffusion::advance_rows(Block& block, std::int64_t diagonal, std::int6
            std::span(states_.back().row(first_state).data(), static_cast<std::size_t>(count * f.hidden)));
   for (std::int64_t i = 0; i < count; ++i) {
     const Tensor& style = lanes_[static_cast<std::size_t>((first + i) % num_lanes)].style;
-    if (style.count() > 0)
+    if (style.count() > 0 && !f.styles_speech)
       for (std::int64_t k = 0; k < f.hidden; ++k) g.row(i)[static_cast<std::size_t>(k)] *= style.data()[k];
   }
   Tensor estimate = product(g.view(), f.estimate, {});

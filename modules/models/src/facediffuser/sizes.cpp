@@ -29,9 +29,11 @@ std::string_view noise_encoder_name(NoiseEncoder kind) {
   return kNoiseEncoders[static_cast<std::size_t>(kind)];
 }
 
-Result<Sizes> sizes_of(const SafetensorsFile& file) { return sizes_of(stored_shapes(file)); }
+Result<Sizes> sizes_of(const SafetensorsFile& file, std::optional<bool> styles_speech) {
+  return sizes_of(stored_shapes(file), styles_speech);
+}
 
-Result<Sizes> sizes_of(const Shapes& shapes) {
+Result<Sizes> sizes_of(const Shapes& shapes, std::optional<bool> styles_speech) {
   Sizes s;
   const auto decoder = stored_decoder(shapes);
   if (decoder) {
@@ -58,11 +60,12 @@ Result<Sizes> sizes_of(const Shapes& shapes) {
       s.noise_encoder = NoiseEncoder::mlp;
     else if (s.is_diffusion())
       s.num_taps = size_of(shapes, "input_projection.1.weight", 3, 2);
+    s.styles_speech = styles_speech.value_or(s.num_subjects == kEmotionalStyle || s.hidden != s.latent);
   } else if (s.is_diffusion()) {
     s.condition -= s.latent + s.num_channels;
   }
-  const bool has_styles =
-      s.variant != Variant::vertices || (s.num_subjects > 0 && s.num_taps % 2 == 1 && s.hidden == s.latent);
+  const bool has_styles = s.variant != Variant::vertices || (s.num_subjects > 0 && s.num_taps % 2 == 1 &&
+                                                             (s.styles_speech || s.hidden == s.latent));
   if (!decoder || s.num_channels <= 0 || s.hidden <= 0 || s.condition <= 0 || !has_styles ||
       (s.is_diffusion() && s.latent <= 0))
     return Error{

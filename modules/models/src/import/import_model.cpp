@@ -8,6 +8,7 @@
 #include "encoder_weights.h"
 #include "mien/core/topology.h"
 #include "mien/io/min_max_scaler.h"
+#include "probtalk3d_description.h"
 #include "side_files.h"
 #include "system_subjects.h"
 #include "system_weights.h"
@@ -97,17 +98,25 @@ Result<EncoderConfig> encoder_config(const ImportOptions& options, const FoundEn
 }
 
 double known_fps(Architecture architecture, std::int64_t channels) {
-  if (architecture == Architecture::facexhubert) return 25;
+  if (architecture == Architecture::facexhubert || architecture == Architecture::facediffuser_emotion)
+    return 25;
   if (architecture == Architecture::said) return 60;
   if (architecture != Architecture::facediffuser_v) return 30;
   const auto topology = known_topology(channels / 3);
   return topology ? topology->fps : 0;
 }
 
-Status describe_motion(const ImportOptions& options, const SystemFacts& facts, Plan& plan) {
+Status describe_motion(const ImportOptions& options, const SystemFacts& facts, const WeightsSource& weights,
+                       Plan& plan) {
   ModelFile& m = plan.description;
-  const bool vertices =
-      m.architecture == Architecture::facexhubert || m.architecture == Architecture::facediffuser_v;
+  if (is_probtalk3d(m.architecture)) {
+    const Status described = describe_probtalk3d(options, facts, weights, m);
+    keep_warnings(plan.warnings, described.warnings);
+    return described;
+  }
+  const bool vertices = m.architecture == Architecture::facexhubert ||
+                        m.architecture == Architecture::facediffuser_v ||
+                        m.architecture == Architecture::facediffuser_emotion;
   m.output.space = vertices                                            ? "vertices"
                    : m.architecture == Architecture::facediffuser_beat ? "arkit"
                                                                        : "rig";
@@ -147,6 +156,11 @@ Status describe_motion(const ImportOptions& options, const SystemFacts& facts, P
                  "takes " + std::to_string(facts.condition) + " speech features a frame, the encoder gives " +
                      std::to_string(static_cast<std::int64_t>(per_frame) * m.encoder->hidden_size),
                  "Check --fps and the encoder's configuration"};
+  if (m.architecture == Architecture::facediffuser_emotion) {
+    const Status named = name_style_columns(options, weights, facts.num_styles, m);
+    keep_warnings(plan.warnings, named.warnings);
+    return named;
+  }
   auto subjects = subject_names(options.subjects, facts.num_subjects, m.architecture, m.output.topology);
   if (!subjects) return subjects.error();
   keep_warnings(plan.warnings, subjects.warnings);
@@ -189,13 +203,29 @@ Status plan_motion_codec(const ImportOptions& options, const FoundSystem& system
   if (!options.templates.empty() || !options.scaler.empty() || !options.regions.empty() ||
       !options.subjects.empty() || !options.encoder.empty() || options.steps)
     return Error{Errc::usage, file, "is a motion codec: options of an animation model do not apply", ""};
-  auto facts = system_facts(system, file);
+  auto facts = system_facts(system, file, 0);
   if (!facts) return facts.error();
   keep_warnings(plan.warnings, facts.warnings);
   plan.tensors = std::move(facts->tensors);
   plan.description.output.space = "arkit";
   plan.description.output.channels = facts->channels;
   plan.description.output.fps = options.fps.value_or(kSaidFps);
+  return Done{};
+}
+
+Status plan_encoder(const ImportOptions& options, const std::optional<FoundEncoder>& encoder, bool is_own,
+                    Plan& plan) {
+  const std::string file = quoted(options.sources[0]);
+  if (!encoder)
+    return Error{Errc::incompatible, file, "holds no speech encoder",
+                 "Name the Hugging Face folder that it was trained with: --encoder FOLDER"};
+  ModelFile& m = plan.description;
+  MIEN_TRY(m.encoder, encoder_config(options, *encoder, m.architecture));
+  auto tensors = encoder_tensors(*encoder, *m.encoder, is_own ? file : quoted(options.encoder));
+  if (!tensors) return tensors.error();
+  keep_warnings(plan.warnings, tensors.warnings);
+  for (auto& tensor : *tensors) tensor.name = std::string(ModelFile::kEncoderPrefix) + tensor.name;
+  (is_own ? plan.tensors : plan.encoder_tensors) = std::move(*tensors);
   return Done{};
 }
 
@@ -219,16 +249,13 @@ Result<Plan> make_plan(const ImportOptions& options, const WeightsSource& weight
   if (!own && encoder_weights != nullptr) {
     MIEN_TRY(other, find_encoder(*encoder_weights, quoted(options.encoder)));
   }
-  const auto& encoder = own ? own : other;
-  if (!encoder)
-    return Error{Errc::incompatible, file, "holds no speech encoder",
-                 "Name the Hugging Face folder that it was trained with: --encoder FOLDER"};
-  MIEN_TRY(m.encoder, encoder_config(options, *encoder, m.architecture));
-  auto tensors = encoder_tensors(*encoder, *m.encoder, own ? file : quoted(options.encoder));
-  if (!tensors) return tensors.error();
-  keep_warnings(plan.warnings, tensors.warnings);
-  for (auto& tensor : *tensors) tensor.name = std::string(ModelFile::kEncoderPrefix) + tensor.name;
-  (own ? plan.tensors : plan.encoder_tensors) = std::move(*tensors);
+  if (m.architecture == Architecture::probtalk3d_prior) {
+    if (own || other)
+      return Error{Errc::usage, file, "is a motion prior, which hears nothing", "Leave --encoder out"};
+  } else {
+    MIEN_TRY([[maybe_unused]] const auto heard,
+             plan_encoder(options, own ? own : other, own.has_value(), plan));
+  }
   if (m.architecture == Architecture::speech_encoder) {
     std::set<std::string_view> used;
     for (const auto& tensor : plan.tensors) used.insert(tensor.source);
@@ -241,11 +268,15 @@ Result<Plan> make_plan(const ImportOptions& options, const WeightsSource& weight
                    ""};
     return plan;
   }
-  auto facts = system_facts(system, file);
+  auto heads = probtalk3d_heads(options, weights, m.architecture);
+  if (!heads) return heads.error();
+  keep_warnings(plan.warnings, heads.warnings);
+  if (is_probtalk3d(m.architecture)) m.sizes["heads"] = *heads;
+  auto facts = system_facts(system, file, *heads);
   if (!facts) return facts.error();
   keep_warnings(plan.warnings, facts.warnings);
   plan.tensors.insert(plan.tensors.end(), facts->tensors.begin(), facts->tensors.end());
-  MIEN_TRY([[maybe_unused]] const auto described, describe_motion(options, *facts, plan));
+  MIEN_TRY([[maybe_unused]] const auto described, describe_motion(options, *facts, weights, plan));
   MIEN_TRY([[maybe_unused]] const auto added, add_side_files(options, plan));
   return plan;
 }

@@ -2,6 +2,8 @@
 
 #include <set>
 
+#include "mien/models/probtalk3d/conventions.h"
+
 namespace mien {
 namespace {
 
@@ -10,6 +12,8 @@ namespace {
 std::vector<std::string> published_subjects(Architecture architecture, const std::string& topology) {
   if (architecture == Architecture::facexhubert)
     return {"F1", "F2", "F3", "F4", "F5", "F6", "F7", "F8", "M1", "M2", "M3", "M4", "M5", "M6"};
+  if (architecture == Architecture::probtalk3d || architecture == Architecture::facediffuser_emotion)
+    return probtalk3d::published_identities();
   if (topology == "flame")
     return {"FaceTalk_170728_03272_TA", "FaceTalk_170904_00128_TA", "FaceTalk_170725_00137_TA",
             "FaceTalk_170915_00223_TA", "FaceTalk_170811_03274_TA", "FaceTalk_170913_03279_TA",
@@ -37,7 +41,9 @@ Result<std::vector<std::string>> subject_names(const std::vector<std::string>& g
   auto published = published_subjects(architecture, topology);
   if (count == 0) return std::vector<std::string>();
   const bool known = static_cast<std::int64_t>(published.size()) == count;
-  if (known && (architecture == Architecture::facexhubert || !topology.empty())) return published;
+  if (known && (architecture == Architecture::facexhubert || !topology.empty() ||
+                architecture == Architecture::facediffuser_emotion))
+    return published;
   std::vector<std::string> numbers;
   for (std::int64_t i = 1; i <= count; ++i) numbers.push_back(std::to_string(i));
   Result<std::vector<std::string>> result(std::move(numbers));

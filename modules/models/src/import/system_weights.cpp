@@ -5,16 +5,13 @@
 
 #include "mien/models/facediffuser/network.h"
 #include "mien/models/facexhubert/network.h"
+#include "mien/models/probtalk3d/network.h"
 #include "mien/models/said/network.h"
 #include "mien/models/said/vae.h"
 #include "mien/nn/runtime_operations.h"
 
 namespace mien {
 namespace {
-
-// The width of the style that ProbTalk3D's emotional variant of FaceDiffuser takes: 32 subjects, 8 emotions,
-// 3 intensities. Its tensors have the names of FaceDiffuser's own.
-constexpr std::int64_t kEmotionalStyle = 43;
 
 using Shapes = std::map<std::string, Shape>;
 
@@ -26,10 +23,14 @@ Shapes shapes_of(const std::vector<ImportedTensor>& tensors) {
 
 std::optional<Architecture> recognise(const Shapes& shapes) {
   const auto has = [&](const char* name) { return shapes.contains(name); };
+  if (has("motion_prior.motion_decoder.feature_mapping_reverse.weight")) return Architecture::probtalk3d;
+  if (has("motion_decoder.feature_mapping_reverse.weight")) return Architecture::probtalk3d_prior;
   if (has("gru.weight_ih_l0") && has("emo_vector.weight") && has("obj_vector.weight") && has("fc.weight"))
     return Architecture::facexhubert;
-  if (has("gru.weight_ih_l0") && has("input_projection.0.weight") && has("final_layer.weight"))
-    return Architecture::facediffuser_v;
+  if (has("gru.weight_ih_l0") && has("input_projection.0.weight") && has("final_layer.weight")) {
+    const auto sizes = facediffuser::sizes_of(shapes);
+    return sizes && sizes->styles_speech ? Architecture::facediffuser_emotion : Architecture::facediffuser_v;
+  }
   if (has("gru.weight_ih_l0") && has("norm_cond.weight") && has("final_layer.weight"))
     return Architecture::facediffuser_beat;
   if (has("rnn.weight_ih_l0") && has("out.weight") && has("embed_timestep.time_embed.0.weight"))
@@ -39,17 +40,11 @@ std::optional<Architecture> recognise(const Shapes& shapes) {
   return std::nullopt;
 }
 
-// Systems whose tensors are known but which are not imported.
-std::optional<std::string> other_system(const Shapes& shapes) {
-  const auto any = [&](std::string_view start) {
-    return std::ranges::any_of(shapes, [&](const auto& entry) { return entry.first.starts_with(start); });
-  };
-  if (any("motion_prior.")) return "ProbTalk3D";
-  const auto style = shapes.find("obj_vector.weight");
-  if (style != shapes.end() && style->second.size() == 2 && style->second[1] == kEmotionalStyle &&
-      !shapes.contains("emo_vector.weight"))
-    return "the emotional FaceDiffuser of ProbTalk3D";
-  return std::nullopt;
+// What needs no warning when it is left out: of ProbTalk3D's checkpoints sums of losses, and tables of
+// positions, which are computed; a batch norm's counter.
+bool is_bookkeeping(const std::string& name) {
+  return name.find("_losses.losses_") != std::string::npos || name.ends_with("_pos_embedding.pe") ||
+         name.ends_with(".num_batches_tracked");
 }
 
 template <class Network>
@@ -79,34 +74,32 @@ Result<FoundSystem> find_system(const WeightsSource& weights, const std::optiona
   if (!wanted.empty()) {
     for (const auto architecture :
          {Architecture::speech_encoder, Architecture::facexhubert, Architecture::facediffuser_v,
-          Architecture::facediffuser_beat, Architecture::facediffuser_damm, Architecture::said_vae,
-          Architecture::said})
+          Architecture::facediffuser_beat, Architecture::facediffuser_damm,
+          Architecture::facediffuser_emotion, Architecture::probtalk3d, Architecture::probtalk3d_prior,
+          Architecture::said_vae, Architecture::said})
       if (wanted == architecture_name(architecture)) {
         found.architecture = architecture;
         return found;
       }
     return Error{Errc::usage, "--system", "'" + wanted + "' is not known",
                  "Known: speech_encoder, facexhubert, facediffuser_v, facediffuser_beat, facediffuser_damm, "
-                 "said_vae, said"};
+                 "facediffuser_emotion, probtalk3d, probtalk3d_prior, said_vae, said"};
   }
-  if (const auto other = other_system(shapes))
-    return Error{Errc::incompatible, file, "holds " + *other + ", which this version does not import",
-                 encoder ? "Its speech encoder alone: --system speech_encoder" : ""};
   if (const auto architecture = recognise(shapes)) {
     found.architecture = *architecture;
   } else if (!encoder) {
     std::string names;
     for (std::size_t i = 0; i < std::min<std::size_t>(weights.tensors().size(), 6); ++i)
       names += (i == 0 ? "'" : ", '") + weights.tensors()[i].name + "'";
-    return Error{Errc::incompatible, file,
-                 "holds no network that Mien knows; its tensors are " + names + " ...",
-                 "Mien imports HuBERT, wav2vec 2.0, FaceXHuBERT, FaceDiffuser, SAiD and its motion codec "
-                 "(docs/import.md)"};
+    return Error{
+        Errc::incompatible, file, "holds no network that Mien knows; its tensors are " + names + " ...",
+        "Mien imports HuBERT, wav2vec 2.0, FaceXHuBERT, FaceDiffuser, ProbTalk3D, SAiD and its motion codec "
+        "(docs/import.md)"};
   }
   return found;
 }
 
-Result<SystemFacts> system_facts(const FoundSystem& found, const std::string& file) {
+Result<SystemFacts> system_facts(const FoundSystem& found, const std::string& file, std::int64_t heads) {
   const Shapes shapes = shapes_of(found.tensors);
   SystemFacts facts;
   Result<std::vector<ImportedTensor>> tensors = std::vector<ImportedTensor>();
@@ -128,11 +121,23 @@ Result<SystemFacts> system_facts(const FoundSystem& found, const std::string& fi
     facts.channels = sizes->num_channels;
     facts.condition = sizes->speech;
     tensors = tensors_of(said::Network<Tensor>(*sizes), found, file);
+  } else if (found.architecture == Architecture::probtalk3d ||
+             found.architecture == Architecture::probtalk3d_prior) {
+    const auto sizes = probtalk3d::sizes_of(shapes, heads);
+    if (!sizes) return within(sizes.error(), file);
+    facts.channels = sizes->channels;
+    facts.condition = sizes->condition;
+    facts.num_styles = sizes->style;
+    tensors = found.architecture == Architecture::probtalk3d
+                  ? tensors_of(probtalk3d::Network<Tensor>(*sizes), found, file)
+                  : tensors_of(probtalk3d::MotionPrior<Tensor>(*sizes), found, file);
   } else {
     using facediffuser::Variant;
-    const auto sizes = facediffuser::sizes_of(shapes);
+    const bool has_emotions = found.architecture == Architecture::facediffuser_emotion;
+    const auto sizes = facediffuser::sizes_of(shapes, has_emotions);
     if (!sizes) return within(sizes.error(), file);
-    const auto variant = found.architecture == Architecture::facediffuser_v      ? Variant::vertices
+    const auto variant = found.architecture == Architecture::facediffuser_v || has_emotions
+                             ? Variant::vertices
                          : found.architecture == Architecture::facediffuser_beat ? Variant::beat
                                                                                  : Variant::damm;
     if (sizes->variant != variant)
@@ -140,7 +145,7 @@ Result<SystemFacts> system_facts(const FoundSystem& found, const std::string& fi
                    "is not " + std::string(architecture_name(found.architecture)) + " but another variant",
                    ""};
     facts.channels = sizes->num_channels;
-    facts.num_subjects = sizes->num_subjects;
+    (has_emotions ? facts.num_styles : facts.num_subjects) = sizes->num_subjects;
     facts.num_steps = variant == Variant::damm ? 0 : sizes->num_steps;
     facts.condition = sizes->condition;
     if (variant == Variant::vertices)
@@ -155,8 +160,8 @@ Result<SystemFacts> system_facts(const FoundSystem& found, const std::string& fi
   Result<SystemFacts> result(std::move(facts));
   std::set<std::string_view> used;
   for (const auto& tensor : result->tensors) used.insert(tensor.source);
-  for (const auto& tensor : found.tensors)  // a batch norm's counter is no weight: its loss needs no warning
-    if (!used.contains(tensor.source) && !tensor.name.ends_with(".num_batches_tracked"))
+  for (const auto& tensor : found.tensors)
+    if (!used.contains(tensor.source) && !is_bookkeeping(tensor.name))
       result.warnings.push_back("left out tensor '" + tensor.source + "'");
   return result;
 }

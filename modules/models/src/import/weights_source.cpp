@@ -29,6 +29,10 @@ class TorchWeights final : public WeightsSource {
   explicit TorchWeights(TorchCheckpoint file) : file_(std::move(file)) {}
   const std::vector<StoredTensor>& tensors() const override { return file_.tensors(); }
   Result<std::vector<float>> read(std::string_view name) const override { return file_.read_float(name); }
+  std::optional<PickleValue> training_options() const override {
+    const PickleValue root = file_.root();
+    return root.kind() == PickleKind::dict ? root.find("hyper_parameters") : std::nullopt;
+  }
 
  private:
   TorchCheckpoint file_;

@@ -2,11 +2,13 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "mien/base/result.h"
+#include "mien/io/pickle.h"
 #include "mien/io/safetensors.h"
 #include "mien/nn/parameters.h"
 
@@ -19,6 +21,9 @@ class WeightsSource {
   [[nodiscard]] virtual const std::vector<StoredTensor>& tensors() const = 0;
   /// As float32. Errors: damaged (input), not a floating-point tensor (incompatible). @pre one of tensors()
   [[nodiscard]] virtual Result<std::vector<float>> read(std::string_view name) const = 0;
+
+  /// The options that the trainer saved with the weights ("hyper_parameters" of Lightning), or nothing.
+  [[nodiscard]] virtual std::optional<PickleValue> training_options() const { return std::nullopt; }
 
   [[nodiscard]] std::map<std::string, StoredTensor> by_name() const;
 };

@@ -13,6 +13,7 @@
 #include "mien/core/sample_source.h"
 #include "mien/models/frame_sink.h"
 #include "mien/models/model_file.h"
+#include "mien/models/probtalk3d/draw_options.h"
 #include "mien/models/seeds.h"
 #include "mien/models/speech_encoder/encoder_runtime.h"
 #include "mien/motion/kept_values.h"
@@ -24,12 +25,15 @@ namespace mien {
 struct FaceOptions {
   std::string style;    ///< whose manner: a subject of the model. Empty: the first
   std::string neutral;  ///< whose neutral face. Empty: the style's own where the file has it, else the first
-  std::string emotion;  ///< one of the model's emotions. Empty: the last, as in the authors' program
+  /// One of the model's emotions. Empty: the last, as in FaceXHuBERT's program. Models with intensities:
+  /// "happy", "happy:3" or "happy:high"; empty: the first, neutral
+  std::string emotion;
   SamplerOptions sampler{.kind = SamplerKind::ancestral};
-  std::string respacing;    ///< rule for a shorter process (respaced_steps()); empty: all steps
-  std::int64_t skip = 0;    ///< noisiest steps to leave out
-  bool same_noise = false;  ///< fresh noise of a step is the same in all frames ("const noise")
-  std::uint64_t seed = 0;   ///< same seed, same performance
+  std::string respacing;         ///< rule for a shorter process (respaced_steps()); empty: all steps
+  std::int64_t skip = 0;         ///< noisiest steps to leave out
+  bool same_noise = false;       ///< fresh noise of a step is the same in all frames ("const noise")
+  probtalk3d::DrawOptions draw;  ///< of ProbTalk3D, which has no diffusion
+  std::uint64_t seed = 0;        ///< same seed, same performance
   /// Speech in pieces, which is not exact; frames = 0: at once. Absent: at once up to kLongSpeech_s.
   std::optional<EncoderWindows> windows{};
   /// What an edit keeps, [N, C] of empty_motion() in its units; null: nothing. FaceDiffuser makes the rest to
@@ -37,8 +41,8 @@ struct FaceOptions {
   std::shared_ptr<const KeptValues> kept{};
 };
 
-/// A published system, loaded with its speech encoder: FaceXHuBERT or FaceDiffuser. Immutable; may be shared
-/// by threads.
+/// A published system, loaded with its speech encoder: FaceXHuBERT, FaceDiffuser or ProbTalk3D. Immutable;
+/// may be shared by threads.
 class FaceModel {
  public:
   /// Whether animate() below runs models of this architecture.
@@ -62,10 +66,15 @@ class FaceModel {
   std::unique_ptr<Parts> parts_;
 };
 
+/// How the authors' program walks: FaceDiffuser's all of its steps, ancestral; the emotional form's the last
+/// 100 of its 1000 with DDIM, from little noise, so that its takes hardly differ.
+FaceOptions published_options(const ModelFile& model);
+
 /// Speech to motion, `num_takes` performances side by side with the seeds performance_seed(seed, k); frames
-/// arrive in blocks of about five seconds. The speech is read twice, and in windows nothing grows with its
-/// length. Bits do not depend on threads. Errors: a clip shorter than a frame (input), words the
-/// model does not know (usage), cancelled, those of source and sink.
+/// arrive in blocks of about five seconds, those of ProbTalk3D at once. The speech is read twice, and in
+/// windows nothing grows with its length (ProbTalk3D hears at most 200 s, which it holds). Bits do not depend
+/// on threads. Errors: a clip shorter than a frame or, for ProbTalk3D, too long (input), words the model does
+/// not know (usage), cancelled, those of source and sink.
 Status animate(const FaceModel& model, SampleSource& speech, const FaceOptions& options, int num_takes,
                int num_threads, Progress& progress, const FrameSink& sink);
 /// One of several recordings, and where its frames go.

@@ -24,6 +24,8 @@ struct FoldedDenoiser {
   std::int64_t hidden = 0;        ///< G
   std::int64_t token_width = 0;   ///< of the input of the GRU
   bool is_normalised = true;
+  std::int64_t style_width = 0;  ///< of what a lane's style scales: states, or tokens of speech; 0 for B
+  bool styles_speech = false;    ///< the latter
 
   std::vector<GruLayer<Tensor>> layers;
   PackedMatrix speech_gates, noise_gates, time_gates;  ///< [3 G, tokens], scaled by gamma

@@ -11,7 +11,7 @@ namespace mien::facediffuser {
 
 /// One performance of those that are made side by side.
 struct Lane {
-  Tensor style;    ///< [1, G]: factor of the GRU's states (VertexDenoiser::style); empty for B
+  Tensor style;    ///< [1, style_width]: what VertexDenoiser::style gave; empty for B
   Tensor neutral;  ///< [1, D]; empty for B
   /// Of width noise_width, or with `noise_is_data` of width D: noise of the mesh itself, as in recorded
   /// walks. Outlives the FrameDiffusion.

@@ -42,15 +42,23 @@ struct Sizes {
   std::int64_t num_subjects = 0;  ///< V only
   std::int64_t num_taps = 9;      ///< V only: of the filter along the latent axis
   NoiseEncoder noise_encoder = NoiseEncoder::conv_max;
+  /// ProbTalk3D's emotional form of V (its paper, section 5.1): the style (identity, emotion and intensity)
+  /// scales the tokens of speech, not the states of the decoder, whose width is then free.
+  bool styles_speech = false;
 
   [[nodiscard]] bool is_diffusion() const { return num_steps > 0; }
 };
 
+/// Columns of the published emotional form's style, by which it is told from V: 32 identities, 8 emotions, 3
+/// intensities.
+inline constexpr std::int64_t kEmotionalStyle = 43;
+
 /// Read from names and shapes of the stored tensors. They do not tell the mean of pairs from their larger
-/// number, nor the heads of a transformer: those stay as by default. Errors (Errc::incompatible): weights of
-/// no variant.
-Result<Sizes> sizes_of(const std::map<std::string, Shape>& shapes);
-Result<Sizes> sizes_of(const SafetensorsFile& file);
+/// number, nor the heads of a transformer: those stay as by default. `styles_speech`: what is known of V's
+/// style; else it is told by the width of the style and of the decoder. Errors (Errc::incompatible): weights
+/// of no variant.
+Result<Sizes> sizes_of(const std::map<std::string, Shape>& shapes, std::optional<bool> styles_speech = {});
+Result<Sizes> sizes_of(const SafetensorsFile& file, std::optional<bool> styles_speech = {});
 
 /// Everything about a performance that no diffusion step changes.
 template <class T>
@@ -138,20 +146,20 @@ struct VertexDenoiser {
   /// Aligned features [.., N, H] -> [.., N, L].
   T speech_tokens(const T& aligned) const { return speech(aligned); }
   T time_token(const T& like, std::int64_t step) const { return one_hot_time(time, like, step); }
-  /// Weights of subjects [.., 1, S], one-hot as published -> [.., 1, L].
+  /// Weights of the style's columns [.., 1, S], one-hot as published -> [.., 1, L].
   T style(const T& weights) const { return styles(weights); }
   /// Input of the decoder, [.., N, 3 L]; without diffusion [.., N, L], of speech alone.
   T tokens(const T& x_t, const Conditions<T>& given, std::int64_t step) const {
     using B = Operations<T>;
-    if (!sizes.is_diffusion()) return norm(given.speech);
-    return norm(
-        B::concat_columns({given.speech, noise(x_t), repeated(time_token(x_t, step), x_t, sizes.latent)}));
+    const T heard = sizes.styles_speech ? B::mul(given.speech, given.style) : given.speech;
+    if (!sizes.is_diffusion()) return norm(heard);
+    return norm(B::concat_columns({heard, noise(x_t), repeated(time_token(x_t, step), x_t, sizes.latent)}));
   }
   /// Without diffusion x_t and step are not read.
   T predict_x0(const T& x_t, const Conditions<T>& given, std::int64_t step,
                const DecoderPass<T>& pass = {}) const {
     using B = Operations<T>;
-    const auto offsets = [&](const T& h) { return out(B::mul(h, given.style)); };
+    const auto offsets = [&](const T& h) { return out(sizes.styles_speech ? h : B::mul(h, given.style)); };
     return B::add(decoder(tokens(x_t, given, step), offsets, pass), given.neutral);
   }
 };

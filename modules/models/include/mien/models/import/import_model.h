@@ -26,6 +26,7 @@ struct ImportOptions {
   std::vector<std::string> subjects{};  ///< in training order, which is the order of the style columns
   std::optional<double> fps{};
   std::optional<std::int64_t> steps{};  ///< of diffusion, where shapes do not tell
+  std::optional<std::int64_t> heads{};  ///< of ProbTalk3D's attention, where the checkpoint does not tell
   std::string schedule = "cosine";      ///< or "linear"
   bool half = false;                    ///< store weights as F16
 };

@@ -1,0 +1,113 @@
+// mien animate with ProbTalk3D: FLAME parameters, and the face that a FLAME model makes of them.
+#include <gmock/gmock.h>
+
+#include "mien/io/character_file.h"
+#include "mien/io/motion_file.h"
+#include "mien/io/npy.h"
+#include "mien/models/probtalk3d/conventions.h"
+#include "mien/models/probtalk3d/network.h"
+#include "program.h"
+#include "small_face_model.h"
+#include "test_paths.h"
+
+namespace mien {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+class AnimateFlameTest : public ProgramTest {
+ protected:
+  AnimateFlameTest() {
+    ModelFile m;
+    m.architecture = Architecture::probtalk3d;
+    m.name = "small";
+    m.encoder = small_face_encoder();
+    m.output = {.space = "flame", .channels = 53, .fps = 25, .topology = "flame"};
+    m.scaler = probtalk3d::published_scaler();
+    m.sizes["heads"] = 2;
+    m.subjects = {"M003", "W028"};
+    m.emotions = probtalk3d::published_emotions();
+    m.intensities = probtalk3d::published_intensities();
+    probtalk3d::Sizes sizes;
+    sizes.width = 8, sizes.inner = 12, sizes.heads = 2, sizes.prior_blocks = 1, sizes.num_codes = 16;
+    sizes.code_width = 4, sizes.predictor_blocks = 1, sizes.condition = 32, sizes.style = 13;
+    write_face_model(in_folder("flame.safetensors"), m, probtalk3d::Network<Tensor>(sizes));
+  }
+  [[nodiscard]] Outcome face(std::vector<std::string> more) const {
+    more.insert(more.begin(), {"animate", "speech.wav", "--model", "flame.safetensors"});
+    return mien(more);
+  }
+};
+
+TEST_F(AnimateFlameTest, WritesParametersAndSaysSo) {
+  const auto run = face({"--style", "W028", "--emotion", "happy:3", "--seed", "3"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.err, HasSubstr("53 FLAME parameters"));
+  EXPECT_THAT(run.err, HasSubstr("--flame"));
+  const auto layout = read_npy_layout(bytes_of("speech.npy"));
+  ASSERT_TRUE(layout) << layout.error().message();
+  EXPECT_THAT(layout->shape, ElementsAre(1, 49, 403)) << "two features a frame of 2 s";
+  EXPECT_EQ(layout->item_size, 8u);
+  const auto motion = read_motion(in_folder("speech.npy"));
+  ASSERT_TRUE(motion) << motion.error().message();
+  EXPECT_EQ(motion->space, MotionSpace::flame);
+}
+
+TEST_F(AnimateFlameTest, TakesAreThoseOfTheirSeedsOnAnyNumberOfThreads) {
+  ASSERT_EQ(face({"--takes", "3", "--temperature", "5", "--threads", "1", "-o", "a.npy"}).exit_code, 0);
+  ASSERT_EQ(face({"--takes", "3", "--temperature", "5", "--threads", "3", "-o", "b.npy", "-o", "b.csv", "-o",
+                  "b.json"})
+                .exit_code,
+            0);
+  for (const char* take : {"-1.npy", "-2.npy", "-3.npy"})
+    EXPECT_EQ(bytes_of("a" + std::string(take)), bytes_of("b" + std::string(take)));
+  EXPECT_NE(bytes_of("a-1.npy"), bytes_of("a-2.npy"));
+  const auto csv = read_motion(in_folder("b-1.csv")), json = read_motion(in_folder("b-1.json"));
+  ASSERT_TRUE(csv && json);
+  EXPECT_EQ(csv->values, json->values);
+  EXPECT_EQ(csv->channels, json->channels);
+  ASSERT_EQ(face({"--takes", "2", "--temperature", "0", "-o", "still.npy"}).exit_code, 0);
+  EXPECT_EQ(bytes_of("still-1.npy"), bytes_of("still-2.npy")) << "the nearest codes are always the same";
+}
+
+// With the recorded model, which has the layout of the published file.
+TEST_F(AnimateFlameTest, MakesAFaceWithAFlameModel) {
+  const std::filesystem::path recorded = shared_path("fixtures/probtalk3d/flame_synthetic.pkl");
+  if (!std::filesystem::exists(recorded)) GTEST_SKIP() << "no recorded FLAME model";
+  const auto run = face({"--flame", recorded.string(), "-o", "face.npy", "-o", "face.glb", "-o", "face.png",
+                         "-o", "face.csv", "--size", "64"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto vertices = read_npy_layout(bytes_of("face.npy"));
+  ASSERT_TRUE(vertices);
+  EXPECT_EQ(vertices->shape.front(), 49);
+  EXPECT_EQ(read_motion(in_folder("face.csv"))->space, MotionSpace::flame);
+  const auto glb = load_character(in_folder("face.glb"));
+  ASSERT_TRUE(glb) << glb.error().message();
+  EXPECT_EQ(glb->parts.front().mesh.positions.size(), 60u);
+  EXPECT_FALSE(glb->parts.front().mesh.triangles.empty());
+}
+
+TEST_F(AnimateFlameTest, RefusesWhatDoesNotFit) {
+  const auto refusal = [&](const std::vector<std::string>& more, int code) {
+    const auto run = face(more);
+    EXPECT_EQ(run.exit_code, code) << run.err;
+    return run.err;
+  };
+  EXPECT_THAT(refusal({"-o", "a.glb"}, 2), HasSubstr("--flame"));
+  EXPECT_THAT(refusal({"-o", "a.png"}, 2), HasSubstr("--flame"));
+  EXPECT_THAT(refusal({"--skip", "3"}, 2), HasSubstr("no diffusion"));
+  EXPECT_THAT(refusal({"--sampler", "ddim"}, 2), HasSubstr("--sampler"));
+  EXPECT_THAT(refusal({"--template", "M003"}, 2), HasSubstr("--template"));
+  EXPECT_THAT(refusal({"--emotion", "happy:4"}, 2), HasSubstr("1 to 3"));
+  EXPECT_THAT(refusal({"--style", "W999"}, 2), HasSubstr("M003, W028"));
+  EXPECT_THAT(refusal({"--draw", "17"}, 2), HasSubstr("16 codes"));
+  EXPECT_THAT(refusal({"--flame", "absent.pkl"}, 3), HasSubstr("absent.pkl"));
+  const auto other = animate({"--temperature", "1"});
+  EXPECT_EQ(other.exit_code, 2);
+  EXPECT_THAT(other.err, HasSubstr("--temperature"));
+  EXPECT_EQ(animate({"--flame", "x.pkl"}).exit_code, 2);
+}
+
+}  // namespace
+}  // namespace mien

@@ -3,6 +3,7 @@
 #include "director.h"
 #include "evaluate_coefficients.h"
 #include "evaluate_sequences.h"
+#include "evaluate_takes.h"
 #include "mien/audio/load_audio.h"
 #include "mien/base/parallel.h"
 #include "mien/console/console_exit.h"
@@ -124,6 +125,7 @@ void add_evaluate_command(CLI::App& program, Chosen& chosen) {
 
   add_sequence_evaluations(*command, chosen);
   add_coefficient_evaluation(*command, chosen);
+  add_take_evaluation(*command, chosen);
 
   const auto h = add_common(*human, chosen);
   human->add_option("--takes", h->takes, "Takes of each recording, 1 to 100")

@@ -186,5 +186,28 @@ TEST_F(SequenceTest, DataCheckTellsProblemsByItsExitCode) {
   EXPECT_EQ(mien({"data", "prepare", "BEAT", "--layout", "multiface", "-o", "out"}).exit_code, 2);
 }
 
+// Takes around the truth: none is right, their mean is.
+TEST_F(SequenceTest, TakesAreMeasuredTogether) {
+  std::filesystem::create_directories(in_folder("takes"));
+  std::filesystem::create_directories(in_folder("true"));
+  write("true/a.npy", as_text(waving_square(10, 0.05)));
+  write("takes/a_happy(1).npy", as_text(waving_square(10, 0.06)));
+  write("takes/a_happy(2).npy", as_text(waving_square(10, 0.04)));
+  write("mouth.txt", "0, 1, 2, 13");
+  const auto run = mien({"evaluate", "takes", "takes", "true", "--mouth", "mouth.txt", "--json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto table = nlohmann::json::parse(run.out);
+  std::map<std::string, double> values;
+  for (const auto& row : table.at("rows"))
+    if (const auto& value = row.at("values").at(0).at("value"); value.is_number())
+      values[row.at("name")] = value.get<double>();
+  EXPECT_GT(values.at("LVE"), 1e-5);
+  EXPECT_NEAR(values.at("MEE"), 0, 1e-12);
+  EXPECT_NEAR(values.at("CE"), values.at("LVE"), 1e-8);
+  EXPECT_NEAR(values.at("Diversity"), 2 * values.at("MVE"), 1e-8);
+  const auto parameters = mien({"evaluate", "takes", "takes", "absent"});
+  EXPECT_EQ(parameters.exit_code, 3);
+}
+
 }  // namespace
 }  // namespace mien

@@ -6,6 +6,7 @@
 #include "fixture.h"
 #include "mien/metrics/control_error.h"
 #include "mien/metrics/surface_distance.h"
+#include "mien/metrics/take_error.h"
 #include "mien/metrics/vertex_error.h"
 #include "mien/metrics/vertex_regions.h"
 #include "mien/metrics/vertex_travel.h"
@@ -117,6 +118,15 @@ TEST(MetricsParity, ControlErrors) {
   });
 }
 
+// Sample i of a tensor [S, N, V, 3].
+Motion sample(const Fixture& fixture, const std::string& name, std::int64_t i) {
+  const auto all = fixture.file().as<float>(name).value();
+  const Shape& shape = fixture.file().find(name)->shape;
+  const auto count = static_cast<std::size_t>(shape.at(1) * shape.at(2) * shape.at(3));
+  const auto own = all.subspan(static_cast<std::size_t>(i) * count, count);
+  return vertex_motion({"recorded", shape.at(2)}, 25, {own.begin(), own.end()});
+}
+
 TEST(MetricsParity, HeatMaps) {
   const std::string mean = "out.heatmap_mean_seq", deviation = "out.heatmap_std_seq";
   // One file, metrics.safetensors: a case has a name.
@@ -128,11 +138,7 @@ TEST(MetricsParity, HeatMaps) {
       const auto cut = map.find("_sample");
       ASSERT_NE(cut, std::string::npos) << map;
       const std::string samples = "in.seq" + map.substr(0, cut) + ".samples";
-      const auto shape = fixture.file().find(samples)->shape;  // [samples, N, V, 3]
-      const auto count = static_cast<std::size_t>(shape[1] * shape[2] * shape[3]);
-      const Tensor all = fixture.tensor(samples);
-      const auto own = all.values().subspan(std::stoul(map.substr(cut + 7)) * count, count);
-      const auto travel = vertex_travel(vertex_motion({"recorded", shape[2]}, 25, {own.begin(), own.end()}));
+      const auto travel = vertex_travel(sample(fixture, samples, std::stoll(map.substr(cut + 7))));
       ASSERT_TRUE(travel) << travel.error().message();
       const auto close = [&](const std::vector<float>& got, const std::string& want) {
         const Tensor recorded = fixture.tensor(want);
@@ -171,6 +177,43 @@ TEST(MetricsParity, SurfaceDistance) {
       for (const Vec3& point : points) distances.push_back(tree.distance(point));
     }
     MIEN_EXPECT_CLOSE(distances, fixture.doubles("expected.per_vertex"), "metrics.distance");
+  });
+}
+
+TEST(MetricsParity, ErrorsOfTakes) {
+  for_each_case("probtalk3d", "metric", ".safetensors", [](const std::string& name) {
+    const Fixture fixture("probtalk3d", "metric" + name + ".safetensors");
+    const auto mouth = indices(fixture, "in.mouth_map"), upper = indices(fixture, "in.upper_map");
+    const Tensor neutral = fixture.tensor("in.template");
+    const auto number = [&](const std::string& value) { return double{fixture.tensor(value).values()[0]}; };
+    VertexErrors first_takes({mouth, upper});
+    TakeErrors errors(mouth);
+    for (int s = 0; fixture.has("in.seq" + std::to_string(s) + ".gt"); ++s) {
+      const std::string sequence = "seq" + std::to_string(s), in = "in." + sequence, mid = "mid." + sequence;
+      SCOPED_TRACE(sequence);
+      const Tensor recorded = fixture.tensor(in + ".gt");
+      const Motion truth = vertex_motion({"recorded", recorded.shape().at(1)}, 25,
+                                         {recorded.values().begin(), recorded.values().end()});
+      std::vector<Motion> takes;
+      for (std::int64_t i = 0; i < fixture.file().find(in + ".samples")->shape.at(0); ++i)
+        takes.push_back(sample(fixture, in + ".samples", i));
+      const auto order = fixture.integers(in + ".shuffle_order");
+      const std::vector<std::size_t> shuffled(order.begin(), order.end());
+      ASSERT_TRUE(errors.add(sequence, truth, takes, shuffled));
+      ASSERT_TRUE(first_takes.add(sequence, truth, takes.front(), neutral.values()));
+      MIEN_EXPECT_CLOSE(Values{errors.sequences().back().diversity}, fixture.doubles(mid + ".diversity"),
+                        "metrics.error");
+      MIEN_EXPECT_CLOSE(Values{first_takes.sequences().back().fdd},
+                        Values{number(mid + ".upper_std_gt") - number(mid + ".upper_std_pred")},
+                        "metrics.take");
+    }
+    ASSERT_FALSE(errors.sequences().empty());
+    MIEN_EXPECT_CLOSE(Values{first_takes.mve()}, fixture.doubles("out.MVE"), "metrics.take");
+    MIEN_EXPECT_CLOSE(Values{first_takes.lve()}, fixture.doubles("out.LVE"), "metrics.take");
+    MIEN_EXPECT_CLOSE(Values{first_takes.fdd()}, fixture.doubles("out.FDD"), "metrics.take");
+    MIEN_EXPECT_CLOSE(Values{errors.mee()}, fixture.doubles("out.MEE"), "metrics.take");
+    MIEN_EXPECT_CLOSE(Values{errors.ce()}, fixture.doubles("out.CE"), "metrics.take");
+    MIEN_EXPECT_CLOSE(Values{errors.diversity()}, fixture.doubles("out.Diversity"), "metrics.take");
   });
 }
 

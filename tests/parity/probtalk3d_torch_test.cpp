@@ -19,7 +19,7 @@ MIEN_PROBTALK3D_SUITE(TorchProbTalk3D, torch::Tensor)
 
 void expect_scalar(const torch::Tensor& got, const Fixture& recorded, const std::string& name) {
   SCOPED_TRACE(name);
-  const double want = recorded.doubles(name).at(0);
+  const double want = recorded.tensor(name).values()[0];
   EXPECT_NEAR(got.item<double>(), want, 1e-6 + 1e-5 * std::abs(want));
 }
 

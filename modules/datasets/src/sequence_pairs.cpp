@@ -121,4 +121,63 @@ Result<PairedSequences> pair_sequences(const fs::path& predicted, const fs::path
   return result;
 }
 
+namespace {
+
+bool is_number(std::string_view text) {
+  return !text.empty() && text.size() < 10 &&
+         std::all_of(text.begin(), text.end(), [](unsigned char c) { return std::isdigit(c) != 0; });
+}
+
+// "name(3)" and "name-3": the name, and 3. Without a number, 0.
+std::pair<std::string, int> name_and_take(const std::string& stem) {
+  const auto open = stem.rfind('('), dash = stem.rfind('-');
+  if (stem.ends_with(')') && open != std::string::npos && open > 0)
+    if (const std::string number = stem.substr(open + 1, stem.size() - open - 2); is_number(number))
+      return {stem.substr(0, open), std::stoi(number)};
+  if (dash != std::string::npos && dash > 0)
+    if (const std::string number = stem.substr(dash + 1); is_number(number))
+      return {stem.substr(0, dash), std::stoi(number)};
+  return {stem, 0};
+}
+
+}  // namespace
+
+Result<PairedTakes> pair_takes(const fs::path& predicted, const fs::path& truth) {
+  MIEN_TRY(const auto predictions, motion_files(predicted));
+  MIEN_TRY(const auto truths, motion_files(truth));
+  std::map<std::string, std::map<int, fs::path>> takes_of;  // by the truth's name
+  PairedTakes result;
+  for (const auto& path : predictions) {
+    const auto [name, take] = name_and_take(path.stem().string());
+    std::string best;
+    for (const auto& candidate : truths) {
+      const std::string stem = candidate.stem().string();
+      const bool fits = name == stem || (name.starts_with(stem) && name[stem.size()] == '_');
+      if (fits && stem.size() > best.size()) best = stem;
+    }
+    if (best.empty())
+      result.without_truth.push_back(name);
+    else if (!takes_of[best].emplace(take, path).second)
+      return Error{Errc::input, "'" + path.string() + "'",
+                   "is a second take " + std::to_string(take) + " of '" + best + "'",
+                   "Keep one style of every sequence in the folder"};
+  }
+  for (const auto& path : truths) {
+    const auto found = takes_of.find(path.stem().string());
+    if (found == takes_of.end()) {
+      result.without_prediction.push_back(path.stem().string());
+      continue;
+    }
+    SequenceTakes own{found->first, path, {}};
+    for (const auto& [number, take] : found->second) own.takes.push_back(take);
+    result.sequences.push_back(std::move(own));
+  }
+  if (result.sequences.empty())
+    return Error{Errc::input, "'" + predicted.string() + "'",
+                 "none of its " + std::to_string(predictions.size()) + " sequences has a truth among the " +
+                     std::to_string(truths.size()) + " of '" + truth.string() + "'",
+                 "Predictions are called <truth>, or <truth>_ and more, with (n) or -n at the end"};
+  return result;
+}
+
 }  // namespace mien

@@ -75,5 +75,24 @@ TEST(SequencePairs, NothingToPairIsAnError) {
   EXPECT_EQ(pair_sequences("nowhere", "nowhere", PairRule::vertices).error().code, Errc::input);
 }
 
+TEST(SequencePairs, GatherTheTakesOfASequence) {
+  const Folders folders({"M003_001_0_0_M003_neutral_low(1)", "M003_001_0_0_M003_neutral_low(0)",
+                         "M003_001_0_0_M003_neutral_low(10)", "M003_0011-2", "M003_0011-1", "other"},
+                        {"M003_001_0_0", "M003_0011", "M003_001", "W009_001"});
+  const auto paired = pair_takes(folders.predicted.path(), folders.truth.path());
+  ASSERT_TRUE(paired) << paired.error().message();
+  ASSERT_EQ(paired->sequences.size(), 2u);
+  EXPECT_EQ(paired->sequences[0].sequence, "M003_0011");
+  EXPECT_EQ(paired->sequences[0].takes.size(), 2u);
+  EXPECT_EQ(paired->sequences[1].sequence, "M003_001_0_0") << "the longest name that fits";
+  EXPECT_EQ(paired->sequences[1].takes.back().stem().string(), "M003_001_0_0_M003_neutral_low(10)");
+  EXPECT_THAT(paired->without_truth, ElementsAre("other"));
+  EXPECT_THAT(paired->without_prediction, ElementsAre("M003_001", "W009_001"));
+  const Folders twice({"a_x-1", "a_y-1"}, {"a"});
+  EXPECT_EQ(pair_takes(twice.predicted.path(), twice.truth.path()).error().code, Errc::input);
+  const Folders none({"b"}, {"a"});
+  EXPECT_EQ(pair_takes(none.predicted.path(), none.truth.path()).error().code, Errc::input);
+}
+
 }  // namespace
 }  // namespace mien

@@ -36,4 +36,20 @@ struct PairedSequences {
 Result<PairedSequences> pair_sequences(const std::filesystem::path& predicted,
                                        const std::filesystem::path& truth, PairRule rule);
 
+/// Predictions of one true sequence, in the order of their numbers.
+struct SequenceTakes {
+  std::string sequence;
+  std::filesystem::path truth;
+  std::vector<std::filesystem::path> takes;
+};
+struct PairedTakes {
+  std::vector<SequenceTakes> sequences;
+  std::vector<std::string> without_truth, without_prediction;  ///< names
+};
+
+/// Pairs two folders whose predictions come in several takes: a file is called <truth>, or <truth>_ and more
+/// (as ProbTalk3D's programs add identity, emotion and intensity), with "(n)" or "-n" at its end. The longest
+/// name of a truth that fits counts. Errors as pair_sequences().
+Result<PairedTakes> pair_takes(const std::filesystem::path& predicted, const std::filesystem::path& truth);
+
 }  // namespace mien

@@ -6,6 +6,7 @@
 #include "closeness.h"
 #include "fixture.h"
 #include "mien/core/flame_parameters.h"
+#include "mien/face/carried_movement.h"
 #include "mien/io/flame_file.h"
 
 namespace mien::parity {
@@ -77,6 +78,33 @@ TEST(Flame, PosesAsRecorded) {
     Tensor rest = Tensor::uninitialized({1, width});
     poser.pose({}, rest.values());
     MIEN_EXPECT_CLOSE(rest, still.reshaped({1, width}), "flame");
+  });
+}
+
+// A face that was written with z up, and movement of the model on it.
+TEST(Flame, MovementIsCarriedAsRecorded) {
+  for_each_case("probtalk3d", "", "_transfer.safetensors", [](const std::string& name) {
+    const Fixture recorded("probtalk3d", name + "_transfer.safetensors");
+    const auto positions = recorded.doubles("in.new_face");
+    Mesh face;
+    for (std::size_t i = 0; i + 2 < positions.size(); i += 3)
+      face.positions.push_back({static_cast<float>(positions[i]), static_cast<float>(positions[i + 1]),
+                                static_cast<float>(positions[i + 2])});
+    turn_z_up(face);
+    const auto rotated = recorded.doubles("mid.rotated");
+    for (std::size_t v = 0; v < face.positions.size(); ++v) {
+      EXPECT_EQ(face.positions[v].x, static_cast<float>(rotated[3 * v]));
+      EXPECT_EQ(face.positions[v].y, static_cast<float>(rotated[3 * v + 1]));
+      EXPECT_EQ(face.positions[v].z, static_cast<float>(rotated[3 * v + 2]));
+    }
+    const auto frames = recorded.file().as<float>("in.vertices").value();
+    const Motion motion = vertex_motion({"recorded", static_cast<std::int64_t>(face.positions.size())}, 25,
+                                        {frames.begin(), frames.end()});
+    const auto carried = carry_movement(motion, recorded.tensor("in.zero_pose").values(), face);
+    ASSERT_TRUE(carried) << carried.error().message();
+    const auto want = recorded.doubles("out.transferred");
+    ASSERT_EQ(carried->values.size(), want.size());
+    MIEN_EXPECT_CLOSE(std::vector<double>(carried->values.begin(), carried->values.end()), want, "flame");
   });
 }
 

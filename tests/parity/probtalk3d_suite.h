@@ -5,6 +5,7 @@
 #include "fixture.h"
 #include "mien/models/probtalk3d/codes.h"
 #include "mien/models/probtalk3d/network.h"
+#include "mien/models/probtalk3d/validation.h"
 #include "mien/models/speech_encoder/network.h"
 #include "recorded_weights.h"
 
@@ -101,6 +102,17 @@ void replay_quantised_prior(const std::string& file) {
     return prior.decoder(recorded_rows<T>(recorded, "mid.z_q"), hooks);
   });
   MIEN_EXPECT_CLOSE(Backend<T>::values(decoded), recorded.tensor("out.motion"), "motion");
+  const auto expect_figure = [&](double got, const char* name) {
+    SCOPED_TRACE(name);
+    const double want = recorded.tensor(name).values()[0];
+    EXPECT_NEAR(got, want, 1e-5 * std::abs(want));
+  };
+  const auto distance =
+      probtalk3d::motion_distance(Backend<T>::values(decoded), recorded.tensor("in.motion"));
+  expect_figure(distance.mean_l2, "out.metric_mean_l2");
+  expect_figure(distance.mean_var, "out.metric_mean_var");
+  expect_figure(probtalk3d::code_perplexity(recorded.integers("mid.indices"), prior.quantiser.num_codes),
+                "out.perplexity");
 }
 
 /// mean and logvar of a latent, and what the decoder makes of it without a factor and with each recorded one.

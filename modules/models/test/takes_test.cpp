@@ -10,6 +10,7 @@
 #include "mien/models/face_model.h"
 #include "mien/models/probtalk3d/codes.h"
 #include "mien/models/probtalk3d/conventions.h"
+#include "mien/models/probtalk3d/validation.h"
 #include "mien/models/seeds.h"
 #include "random_network.h"
 #include "small_face_model.h"
@@ -60,6 +61,24 @@ TEST(Codes, RacesAreDraws) {
     EXPECT_NE(places[1][n], places[2][n]);
     EXPECT_EQ(places[3][n], places[2][n]) << "the fourth has no probability: the last that has";
   }
+}
+
+TEST(Validation, PerplexityCountsTheCodesInUse) {
+  using Codes = std::vector<std::int64_t>;
+  EXPECT_NEAR(probtalk3d::code_perplexity(Codes{3, 3, 3}, 8), 1, 1e-8);
+  EXPECT_NEAR(probtalk3d::code_perplexity(Codes{0, 1, 2, 3}, 8), 4, 1e-7);
+  EXPECT_TRUE(std::isnan(probtalk3d::code_perplexity(Codes{}, 8)));
+  EXPECT_THROW((void)probtalk3d::code_perplexity(Codes{8}, 8), std::logic_error);
+}
+
+TEST(Validation, DistanceOfMotions) {
+  const Tensor truth({2, 2}, std::vector<float>{0, 0, 2, 0}), far({2, 2}, std::vector<float>{3, 4, 5, 4});
+  const auto moved = probtalk3d::motion_distance(far, truth);
+  EXPECT_NEAR(moved.mean_l2, 5, 1e-12);
+  EXPECT_NEAR(moved.mean_var, 0, 1e-12) << "moved as a whole, it varies alike";
+  EXPECT_NEAR(probtalk3d::motion_distance(Tensor({2, 2}), truth).mean_var, 2, 1e-12);
+  EXPECT_TRUE(std::isnan(probtalk3d::motion_distance(Tensor({0, 2}), Tensor({0, 2})).mean_l2));
+  EXPECT_THROW((void)probtalk3d::motion_distance(Tensor({1, 2}), truth), std::logic_error);
 }
 
 probtalk3d::Sizes small_sizes(bool variational) {

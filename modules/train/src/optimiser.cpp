@@ -37,7 +37,6 @@ double clip_gradients(const std::vector<Collect::Entry>& entries, double limit) 
 
 void adamw_step(const StageOptions& o, std::int64_t step, double rate,
                 const std::vector<Collect::Entry>& entries, std::vector<Moments>& moments) {
-  constexpr double kEpsilon = 1e-8;
   // A short run would otherwise keep its random start in the average.
   const double decay =
       std::min(o.average_decay, (1.0 + static_cast<double>(step)) / (10.0 + static_cast<double>(step)));
@@ -53,7 +52,7 @@ void adamw_step(const StageOptions& o, std::int64_t step, double rate,
       m.mul_(o.beta1).add_(g, 1 - o.beta1);
       v.mul_(o.beta2).addcmul_(g, g, 1 - o.beta2);
       if ((p.dim() > 1 || o.decays_vectors) && o.weight_decay > 0) p.mul_(1 - rate * o.weight_decay);
-      p.addcdiv_(m, (v / correction2).sqrt_().add_(kEpsilon), -rate / correction1);
+      p.addcdiv_(m, (v / correction2).sqrt_().add_(o.epsilon), -rate / correction1);
       p.mutable_grad().zero_();
     }
     if (moments[i].average.defined()) moments[i].average.lerp_(p, 1 - decay);

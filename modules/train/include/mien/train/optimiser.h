@@ -21,6 +21,7 @@ struct StageOptions {
   std::int64_t warm_up_steps = 100;
   bool starts_at_zero = false;  ///< warm-up: step s of S has the share s / S of the rate; else (s + 1) / S
   double beta1 = 0.9, beta2 = 0.98;
+  double epsilon = 1e-8;        ///< added to the root of the second moment; ProbTalk3D: 1e-9
   double weight_decay = 0.02;   ///< decoupled (AdamW, Loshchilov and Hutter 2019); matrices only
   bool decays_vectors = false;  ///< norms and biases, too
   double clip_norm = 1.0;       ///< of the gradient of all parameters together; 0: not clipped

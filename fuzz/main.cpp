@@ -124,6 +124,8 @@ int main(int argc, char** argv) {
                                        motion_csv_target(),
                                        motion_json_target(),
                                        npy_target(),
+                                       flame_csv_target(),
+                                       flame_target(),
                                        direction_csv_target(),
                                        direction_json_target(),
                                        zip_target(),

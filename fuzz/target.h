@@ -30,6 +30,8 @@ Target gltf_target();
 Target motion_csv_target();
 Target motion_json_target();
 Target npy_target();
+Target flame_csv_target();
+Target flame_target();  ///< a FLAME model as an archive of arrays
 Target direction_csv_target();
 Target direction_json_target();
 Target zip_target();

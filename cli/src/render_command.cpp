@@ -1,13 +1,17 @@
 // mien render: a motion file on a face, as a film, pictures or meshes.
+#include <algorithm>
 #include <chrono>
 
 #include "character_source.h"
+#include "flame_outputs.h"
 #include "heat_map.h"
 #include "mien/audio/load_audio.h"
 #include "mien/base/number_text.h"
 #include "mien/base/parallel.h"
 #include "mien/console/console_exit.h"
+#include "mien/face/flame.h"
 #include "mien/io/character_file.h"
+#include "mien/io/flame_file.h"
 #include "mien/io/mesh_file.h"
 #include "mien/io/motion_file.h"
 #include "options.h"
@@ -19,7 +23,7 @@ namespace {
 
 struct RenderArguments {
   std::vector<std::string> motions;
-  std::string character, audio, output, size, view = "portrait", times, heat_map;
+  std::string character, audio, output, size, view = "portrait", times, heat_map, flame;
   VertexOptions vertices;
   double fps = 30, motion_fps = 0;
   int columns = 4;
@@ -35,6 +39,8 @@ struct Job {
   std::optional<AudioClip> sound;
   PictureOptions pictures;
   std::optional<HeatStatistic> heat;
+  VertexOptions vertices;
+  std::optional<Mesh> flame_mesh;  // of motions that were FLAME parameters
 };
 
 Status check_together(const RenderArguments& a, const Output& output, std::span<const Motion> motions) {
@@ -57,11 +63,11 @@ Status check_together(const RenderArguments& a, const Output& output, std::span<
 Result<std::vector<VertexStage>> staged(const Job& job, const std::vector<Motion>& motions,
                                         const Mesh& mesh) {
   std::vector<VertexStage> stages;
-  const LengthScale scale = length_scale(motions.front(), job.a.vertices.mm_per_unit);
+  const LengthScale scale = length_scale(motions.front(), job.vertices.mm_per_unit);
   for (const Motion& motion : motions) {
-    MIEN_TRY(stages.emplace_back(),
-             stage_vertices(motion, mesh, scale,
-                            job.a.vertices.inverted ? DataAxes::inverted : DataAxes::upright));
+    MIEN_TRY(
+        stages.emplace_back(),
+        stage_vertices(motion, mesh, scale, job.vertices.inverted ? DataAxes::inverted : DataAxes::upright));
   }
   return stages;
 }
@@ -80,13 +86,14 @@ Status draw_vertices(const Job& job, const std::vector<Motion>& motions, const M
 }
 
 Status render_vertices(const Job& job, ConsoleProgress& progress) {
-  const auto mesh = vertex_mesh(job.a.vertices, job.motions.front());
+  const auto mesh =
+      job.flame_mesh ? Result<Mesh>(*job.flame_mesh) : vertex_mesh(job.vertices, job.motions.front());
   if (!mesh) return mesh.error();
   const bool needs_triangles = job.output.kind != OutputKind::motion || job.output.is_glb();
   if (needs_triangles)
     for (const auto& warning : mesh.warnings) progress.warn(warning);
   if (job.output.is_picture()) return draw_vertices(job, job.motions, *mesh, progress);
-  return write_vertex_output(job.output, job.motions.front(), *mesh, job.a.vertices,
+  return write_vertex_output(job.output, job.motions.front(), *mesh, job.vertices,
                              {job.pictures, nullptr, ""}, progress);
 }
 
@@ -111,7 +118,7 @@ Status render_curves(const Job& job, ConsoleProgress& progress) {
     MIEN_TRY(vertices.emplace_back(), vertex_sequence(*character, motion, job.a.threads));
   }
   if (job.heat) return draw_vertices(job, vertices, merged_mesh(*character), progress);
-  return write_vertex_output(job.output, vertices.front(), merged_mesh(*character), job.a.vertices,
+  return write_vertex_output(job.output, vertices.front(), merged_mesh(*character), job.vertices,
                              {job.pictures, nullptr, ""}, progress);
 }
 
@@ -122,7 +129,9 @@ Result<Job> plan(const RenderArguments& a) {
           .motions = {},
           .sound = {},
           .pictures = {.fps = a.fps, .view = a.view, .columns = a.columns, .threads = a.threads},
-          .heat = {}};
+          .heat = {},
+          .vertices = a.vertices,
+          .flame_mesh = {}};
   MIEN_TRY([[maybe_unused]] const auto view, check_view(a.view));
   if (!a.times.empty()) {
     MIEN_TRY(job.pictures.times, parse_times(a.times));
@@ -130,7 +139,7 @@ Result<Job> plan(const RenderArguments& a) {
   MIEN_TRY(job.character_path, character_path(a.character));
   constexpr OutputKind kKinds[] = {OutputKind::video, OutputKind::sheet, OutputKind::frames,
                                    OutputKind::motion, OutputKind::meshes};
-  std::vector<std::filesystem::path> inputs = {a.audio, job.character_path, a.vertices.mesh};
+  std::vector<std::filesystem::path> inputs = {a.audio, job.character_path, a.vertices.mesh, a.flame};
   inputs.insert(inputs.end(), a.motions.begin(), a.motions.end());
   MIEN_TRY(const auto outputs, plan_outputs({&a.output, 1}, inputs, kKinds));
   job.output = outputs.front();
@@ -153,6 +162,30 @@ Result<Job> plan(const RenderArguments& a) {
   return job;
 }
 
+// FLAME parameters become the vertices of a FLAME model.
+Status pose_flame(Job& job) {
+  const auto is_flame = [](const Motion& motion) { return motion.space == MotionSpace::flame; };
+  const auto first = std::find_if(job.motions.begin(), job.motions.end(), is_flame);
+  if (first == job.motions.end()) {
+    if (job.a.flame.empty()) return Done{};
+    return Error{Errc::usage, "--flame", "is for motions of FLAME parameters", "Leave it out"};
+  }
+  if (job.a.flame.empty())
+    return Error{Errc::usage,
+                 "'" + job.a.motions[static_cast<std::size_t>(first - job.motions.begin())] + "'",
+                 "holds FLAME parameters, which move no face of their own",
+                 "Pass a FLAME model: --flame generic_model.pkl"};
+  MIEN_TRY(const FlameModel model, read_flame_model(job.a.flame));
+  const FlamePoser poser(model);
+  for (Motion& motion : job.motions) {
+    if (!is_flame(motion)) continue;
+    MIEN_TRY(motion, flame_vertices(poser, motion, job.a.threads));
+  }
+  job.flame_mesh = flame_mesh(model);
+  if (job.vertices.mm_per_unit == 0) job.vertices.mm_per_unit = kFlameMmPerUnit;
+  return Done{};
+}
+
 Status read_inputs(Job& job, ConsoleProgress& progress) {
   for (const auto& path : job.a.motions) {
     auto motion = read_motion(path, {.fps = job.a.motion_fps});
@@ -160,6 +193,7 @@ Status read_inputs(Job& job, ConsoleProgress& progress) {
     for (const auto& warning : motion.warnings) progress.warn(warning);
     job.motions.push_back(std::move(*motion));
   }
+  MIEN_TRY([[maybe_unused]] const auto posed, pose_flame(job));
   MIEN_TRY([[maybe_unused]] const auto together, check_together(job.a, job.output, job.motions));
   if (job.a.audio.empty()) return Done{};
   auto clip = load_audio(job.a.audio);
@@ -208,6 +242,8 @@ void add_render_command(CLI::App& program, Chosen& chosen) {
   command->add_option("--character", a->character,
                       "Character to draw (.glb .gltf .vrm .safetensors). Default: Mien's head");
   command->add_option("--audio", a->audio, "Sound of the video");
+  command->add_option("--flame", a->flame,
+                      "FLAME model (generic_model.pkl or .npz) for motions of FLAME parameters");
   add_vertex_options(*command, a->vertices);
   command
       ->add_option("--motion-fps", a->motion_fps, "Frames a second of a MOTION that does not say, 1 to 240")
@@ -234,6 +270,7 @@ void add_render_command(CLI::App& program, Chosen& chosen) {
              "  mien render predicted.npy --mesh template.obj -o predicted.glb --max-error 0.05\n"
              "  mien render hello.csv --view mouth --times 0.4,0.8,1.2 -o sheet.png\n"
              "  mien render truth.npy model.npy --mesh template.obj --audio hello.wav -o both.mp4\n"
+             "  mien render hello.npy --flame generic_model.pkl --audio hello.wav -o hello.mp4\n"
              "  mien render take-1.csv take-2.csv take-3.csv --heatmap std -o spread.png\n");
   command->callback(
       [a, &chosen] { chosen.work = [a](ConsoleProgress& progress) { return run_render(*a, progress); }; });

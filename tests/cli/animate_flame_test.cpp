@@ -86,6 +86,14 @@ TEST_F(AnimateFlameTest, MakesAFaceWithAFlameModel) {
   ASSERT_TRUE(glb) << glb.error().message();
   EXPECT_EQ(glb->parts.front().mesh.positions.size(), 60u);
   EXPECT_FALSE(glb->parts.front().mesh.triangles.empty());
+  // From the parameters in the file the same face is made.
+  const auto later = mien({"render", "face.csv", "--flame", recorded.string(), "-o", "later.npy"});
+  ASSERT_EQ(later.exit_code, 0) << later.err;
+  EXPECT_EQ(read_motion(in_folder("later.npy"))->values, read_motion(in_folder("face.npy"))->values);
+  const auto without = mien({"render", "face.csv", "-o", "later.png"});
+  EXPECT_EQ(without.exit_code, 2);
+  EXPECT_THAT(without.err, HasSubstr("--flame"));
+  EXPECT_EQ(mien({"render", "face.npy", "--flame", recorded.string(), "-o", "later.png"}).exit_code, 2);
 }
 
 TEST_F(AnimateFlameTest, RefusesWhatDoesNotFit) {

@@ -1,6 +1,8 @@
 #pragma once
 // ProbTalk3D on a tensor library T: every recorded stage of both stages, of both latents, and of the draws.
 // The same tests for the runtime (probtalk3d_test.cpp) and LibTorch (probtalk3d_torch_test.cpp).
+#include <gtest/gtest.h>
+
 #include "closeness.h"
 #include "fixture.h"
 #include "mien/models/probtalk3d/codes.h"
@@ -271,18 +273,27 @@ void replay_file(const std::string& file, Body&& body) {
   }
 }
 
-}  // namespace mien::parity
+template <class T>
+class ProbTalk3DNetworks : public testing::Test {};
+TYPED_TEST_SUITE_P(ProbTalk3DNetworks);
 
-/// All tests of the suite on the tensor library T.
-#define MIEN_PROBTALK3D_SUITE(Suite, T)                                                                    \
-  TEST(Suite, QuantisedPriorGivesTheRecordedStages) {                                                      \
-    replay_file("vqvae_stage1.safetensors", replay_quantised_prior<T>);                                    \
-  }                                                                                                        \
-  TEST(Suite, GaussianPriorGivesTheRecordedStages) {                                                       \
-    replay_file("vae_stage1.safetensors", replay_gaussian_prior<T>);                                       \
-  }                                                                                                        \
-  TEST(Suite, SpeechGivesTheRecordedStages) { replay_file("stage2_audio.safetensors", replay_stage2<T>); } \
-  TEST(Suite, SpeechGivesTheRecordedGaussianStages) {                                                      \
-    replay_file("vae_stage2.safetensors", replay_gaussian_stage2<T>);                                      \
-  }                                                                                                        \
-  TEST(Suite, DrawsEndAsRecorded) { replay_file("sampling.safetensors", replay_draws<T>); }
+TYPED_TEST_P(ProbTalk3DNetworks, QuantisedPriorGivesTheRecordedStages) {
+  replay_file("vqvae_stage1.safetensors", replay_quantised_prior<TypeParam>);
+}
+TYPED_TEST_P(ProbTalk3DNetworks, GaussianPriorGivesTheRecordedStages) {
+  replay_file("vae_stage1.safetensors", replay_gaussian_prior<TypeParam>);
+}
+TYPED_TEST_P(ProbTalk3DNetworks, SpeechGivesTheRecordedStages) {
+  replay_file("stage2_audio.safetensors", replay_stage2<TypeParam>);
+}
+TYPED_TEST_P(ProbTalk3DNetworks, SpeechGivesTheRecordedGaussianStages) {
+  replay_file("vae_stage2.safetensors", replay_gaussian_stage2<TypeParam>);
+}
+TYPED_TEST_P(ProbTalk3DNetworks, DrawsEndAsRecorded) {
+  replay_file("sampling.safetensors", replay_draws<TypeParam>);
+}
+REGISTER_TYPED_TEST_SUITE_P(ProbTalk3DNetworks, QuantisedPriorGivesTheRecordedStages,
+                            GaussianPriorGivesTheRecordedStages, SpeechGivesTheRecordedStages,
+                            SpeechGivesTheRecordedGaussianStages, DrawsEndAsRecorded);
+
+}  // namespace mien::parity

@@ -7,9 +7,9 @@
 
 namespace mien::parity {
 
-namespace {
+INSTANTIATE_TYPED_TEST_SUITE_P(Runtime, ProbTalk3DNetworks, Tensor);
 
-MIEN_PROBTALK3D_SUITE(ProbTalk3D, Tensor)
+namespace {
 
 // From the recording on: level, normalisation, encoder, both networks, the nearest codes.
 TEST(ProbTalk3D, RecordingGivesTheRecordedParameters) {

@@ -15,13 +15,13 @@
 
 namespace mien::parity {
 
+INSTANTIATE_TYPED_TEST_SUITE_P(LibTorch, ProbTalk3DNetworks, torch::Tensor);
+
 namespace {
 
 using train::Collect;
 using train::probtalk3d::Losses;
 namespace losses = train::probtalk3d;
-
-MIEN_PROBTALK3D_SUITE(TorchProbTalk3D, torch::Tensor)
 
 void expect_scalar(const torch::Tensor& got, const Fixture& recorded, const std::string& name) {
   SCOPED_TRACE(name);

@@ -59,7 +59,7 @@ TYPED_TEST_P(FaceChain, FaceXHuBertAlignsItsTrainingPairs) {
           MIEN_EXPECT_CLOSE(
               Backend<TypeParam>::values(aligned_features(features, recorded.tensor("vertice").num_rows(),
                                                           recorded.config().at("fps").get<double>())),
-              recorded.tensor("gru.in"), "stage");
+              recorded.tensor("gru.in"), "encoder");
         });
 }
 

@@ -1,11 +1,11 @@
-// Speech encoders on LibTorch, in double: every recorded stage, and the gradients of a loss. The only file of
-// these tests that includes LibTorch.
+// Speech encoders on LibTorch, in double: every recorded stage, and the gradients of a loss.
 #include <gtest/gtest.h>
 #include <torch/torch.h>
 
 #include "closeness.h"
 #include "encoder_fixture.h"
 #include "mien/train/torch_operations.h"
+#include "torch_fixture.h"
 
 namespace mien::parity {
 namespace {
@@ -16,13 +16,6 @@ Tensor to_torch(const mien::Tensor& x) {
   const auto options = torch::TensorOptions().dtype(torch::kFloat);
   return torch::from_blob(const_cast<float*>(x.data()), x.shape(), options).to(torch::kDouble);
 }
-
-std::vector<double> values_of(const Tensor& x) {
-  const Tensor flat = x.detach().contiguous();
-  return {flat.data_ptr<double>(), flat.data_ptr<double>() + flat.numel()};
-}
-
-std::vector<double> values_of(const mien::Tensor& x) { return {x.values().begin(), x.values().end()}; }
 
 /// Reads a network as doubles and keeps its parameters by name.
 class LoadDoubles : public ParameterVisitor<LoadDoubles> {

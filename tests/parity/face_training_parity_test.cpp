@@ -8,17 +8,13 @@
 #include "face_weights.h"
 #include "mien/train/face_training.h"
 #include "mien/train/optimiser.h"
+#include "torch_fixture.h"
 
 namespace mien::parity {
 namespace {
 
 using namespace train;
 
-std::vector<double> values_of(const torch::Tensor& x) {
-  const torch::Tensor flat = x.detach().to(torch::kDouble).contiguous();
-  return {flat.data_ptr<double>(), flat.data_ptr<double>() + flat.numel()};
-}
-std::vector<double> values_of(const mien::Tensor& x) { return {x.values().begin(), x.values().end()}; }
 std::vector<float> floats_of(const mien::Tensor& x) { return {x.values().begin(), x.values().end()}; }
 
 torch::Tensor to_torch(const mien::Tensor& x) {

@@ -15,6 +15,7 @@
 #include "mien/train/coefficient_window.h"
 #include "mien/train/said_vae_training.h"
 #include "test_folder.h"
+#include "torch_fixture.h"
 
 namespace mien::parity {
 namespace {
@@ -28,17 +29,6 @@ T taken(Result<T> result) {
 }
 
 bool is_recorded(const char* file) { return std::filesystem::exists(fixture_root() / "said" / file); }
-
-torch::Tensor stored(const Fixture& fixture, std::string_view name) {
-  const auto values = taken(fixture.file().read_float(name));
-  return torch::from_blob(const_cast<float*>(values.data()), fixture.file().find(name)->shape, torch::kFloat)
-      .clone();
-}
-
-std::vector<double> values_of(const torch::Tensor& x) {
-  const torch::Tensor flat = x.detach().to(torch::kDouble).contiguous();
-  return {flat.data_ptr<double>(), flat.data_ptr<double>() + flat.numel()};
-}
 
 struct TorchVaeCase {
   explicit TorchVaeCase(const std::string& name) : recorded("said", name + "_encode.safetensors") {
@@ -105,12 +95,6 @@ TEST(TorchSaidVae, CostsWhatWasRecorded) {
   });
 }
 
-// Relative to the size of the whole gradient: its entries differ by orders of magnitude.
-void expect_gradient(const torch::Tensor& got, const torch::Tensor& want) {
-  const double off = (got - want).norm().item<double>(), size = want.norm().item<double>();
-  EXPECT_LE(off, 1e-4 * size) << "norm " << size;
-}
-
 TEST(TorchSaidVae, LearnsAsRecorded) {
   for_each_case("said", "", "_encode.safetensors", [](const std::string& name) {
     TorchVaeCase given(name);
@@ -136,7 +120,7 @@ TEST(TorchSaidVae, LearnsAsRecorded) {
       if (!recorded.has("grad." + e.name)) continue;
       ++num_gradients;
       SCOPED_TRACE(e.name);
-      expect_gradient(e.slot->grad(), stored(recorded, "grad." + e.name));
+      EXPECT_LE(relative_distance(e.slot->grad(), stored(recorded, "grad." + e.name)), 1e-4);
     }
     EXPECT_NEAR(std::sqrt(square), recorded.doubles("grad_norm_train")[0],
                 1e-4 * recorded.doubles("grad_norm_train")[0]);
@@ -188,9 +172,8 @@ TEST(TorchSaidVae, CutsTheRecordedWindows) {
   }
   EXPECT_GT(count, 0);
   std::vector<std::int64_t> order;
-  const auto names = arkit_order(ArkitOrder::said);
-  const std::vector<std::string_view> views(names.begin(), names.end());
-  for (const std::size_t from : mirror_order(views)) order.push_back(static_cast<std::int64_t>(from));
+  for (const std::size_t from : mirror_order(arkit_order(ArkitOrder::said)))
+    order.push_back(static_cast<std::int64_t>(from));
   EXPECT_EQ(order, recorded.integers("mirror_permutation"));
 }
 

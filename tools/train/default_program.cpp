@@ -66,12 +66,8 @@ Status snapshot_default(const TrainingConfig& config, const std::filesystem::pat
 }
 
 Status train_default(const TrainingConfig& config, ConsoleProgress& progress) {
-  torch::set_num_threads(config.run.num_threads);
   MIEN_TRY(const auto set, TrainingSet::open(config.run.data));
-  std::error_code ec;
-  std::filesystem::create_directories(config.run.work_folder, ec);
-  if (ec)
-    return Error{Errc::failed, config.run.work_folder.string(), "cannot be created: " + ec.message(), ""};
+  MIEN_TRY([[maybe_unused]] const auto begun, config.run.begin());
   const WorkFiles files(config.run.work_folder);
   StepReporter log(files.log, progress);
   const auto report = [&](const StepReport& r) { log(r); };

@@ -1,8 +1,9 @@
+#include "encoder_source.h"
+#include "epoch_run.h"
+#include "mien/base/number_text.h"
 #include "mien/datasets/dataset.h"
-#include "mien/train/encoder_training.h"
 #include "mien/train/face_data.h"
 #include "programs.h"
-#include "step_reporter.h"
 
 namespace mien::train {
 namespace {
@@ -111,24 +112,15 @@ Result<FaceRun> prepare(const FaceConfig& config) {
   MIEN_TRY(Dataset dataset, open_data(config));
   run.dataset = shared(std::move(dataset));
   MIEN_TRY(const std::int64_t width, width_of(*run.dataset));
-  MIEN_TRY(const auto file, SafetensorsFile::open(config.encoder));
-  const std::string name = "'" + config.encoder.string() + "'";
-  const auto source = read_model_file(file.metadata());
-  if (!source) return within(source.error(), name);
-  if (!source->encoder)
-    return Error{Errc::incompatible, name, "holds no speech encoder", "Make one: mien import HUBERT-FOLDER"};
-  if (config.options.spec_augment && source->encoder->mask_feature_prob > 0)
-    return Error{Errc::incompatible, name, "masks features in training, which Mien does not",
-                 "Set [random] spec_augment = false"};
-  run.description = describe(config, *run.dataset, width, *source->encoder);
+  MIEN_TRY(const auto source, open_encoder(config.encoder, config.options.spec_augment));
+  run.description = describe(config, *run.dataset, width, source.config);
   if (config.architecture == Architecture::facediffuser_v || config.architecture == Architecture::facexhubert)
     if (run.description.subjects.empty())
       return Error{Errc::usage, "[run] subjects", "are needed for this data set", ""};
-  run.network.reset(new FaceNetwork{SpeechEncoder<Tensor>(*source->encoder),
-                                    head_for(config, run.description), run.description.output.fps});
+  run.network.reset(new FaceNetwork{SpeechEncoder<Tensor>(source.config), head_for(config, run.description),
+                                    run.description.output.fps});
   initialise_as_published(*run.network, config.options.seed);
-  const auto loaded = load_encoder(run.network->encoder, file);
-  if (!loaded) return within(loaded.error(), name);
+  MIEN_TRY([[maybe_unused]] const auto loaded, source.load_into(run.network->encoder));
   for (const auto& e : parameters(*run.network)) *e.slot = e.slot->detach().to(config.options.device);
   return run;
 }
@@ -145,32 +137,21 @@ Status write_model(FaceRun& run, const std::filesystem::path& path) {
   return save_parameters(entries, path, false, to_metadata(run.description));
 }
 
-std::filesystem::path checkpoint_of(const FaceConfig& config) {
-  return config.run.work_folder / "checkpoint.safetensors";
-}
-
 }  // namespace
 
 Status train_face(const FaceConfig& config, ConsoleProgress& progress) {
-  torch::set_num_threads(config.run.num_threads);
   MIEN_TRY(FaceRun run, prepare(config));
   const bool is_mesh = run.description.output.space == "vertices";
   MIEN_TRY(FaceSequences sequences,
            face_sequences(run.dataset, *run.description.encoder, {run.description.subjects, is_mesh}));
   MIEN_TRY(const auto learning, freeze(parameters(*run.network), config.frozen));
-  std::error_code ec;
-  std::filesystem::create_directories(config.run.work_folder, ec);
-  if (ec)
-    return Error{Errc::failed, config.run.work_folder.string(), "cannot be created: " + ec.message(), ""};
+  MIEN_TRY([[maybe_unused]] const auto begun, config.run.begin());
   progress.say(std::to_string(sequences.num_train) + " sequences to learn from, " +
                std::to_string(sequences.num_valid) + " to validate");
 
   FaceStage stage(*run.network, std::move(sequences), config.options);
-  StepReporter log(config.run.work_folder / "log.tsv", progress);
-  log.begin(config.run.system);
   auto options = StageOptions::plain_adam(config.num_epochs * stage.steps_per_epoch(), config.learning_rate);
   options.checkpoint_every = config.checkpoint_every;
-  Status afterwards = Done{};  // of what is done after epochs
   const auto end_epoch = [&](std::int64_t epoch) -> Status {
     MIEN_TRY(const double valid, stage.validation_loss(epoch));
     progress.say("epoch " + std::to_string(epoch) + ": validation loss " +
@@ -179,19 +160,11 @@ Status train_face(const FaceConfig& config, ConsoleProgress& progress) {
       return write_model(run, config.run.work_folder / ("epoch_" + std::to_string(epoch) + ".safetensors"));
     return Done{};
   };
-  const auto report = [&](const StepReport& r) {
-    log(r);
-    if ((r.step + 1) % stage.steps_per_epoch() != 0) return;
-    const auto ended = end_epoch(r.step / stage.steps_per_epoch());
-    if (!ended) afterwards = ended.error();
-  };
-  const auto loss = [&](std::int64_t step) -> Result<Tensor> {
-    if (!afterwards) return afterwards.error();
-    return stage.loss(step);
-  };
   MIEN_TRY([[maybe_unused]] const auto done,
-           run_stage(config.run.system, learning, options, checkpoint_of(config), loss, progress, report));
-  if (!afterwards) return afterwards;
+           run_epochs(config.run,
+                      {learning, options, stage.steps_per_epoch(),
+                       [&](std::int64_t step) { return stage.loss(step); }, end_epoch},
+                      progress));
   MIEN_TRY([[maybe_unused]] const auto saved, write_model(run, config.run.output));
   progress.say("wrote " + config.run.output.string());
   return Done{};
@@ -200,7 +173,7 @@ Status train_face(const FaceConfig& config, ConsoleProgress& progress) {
 Status snapshot_face(const FaceConfig& config, const std::filesystem::path& path, ConsoleProgress& progress) {
   MIEN_TRY(FaceRun run, prepare(config));
   MIEN_TRY(const auto learning, freeze(parameters(*run.network), config.frozen));
-  MIEN_TRY(const auto step, load_stage_average(learning, checkpoint_of(config)));
+  MIEN_TRY(const auto step, load_stage_average(learning, config.run.checkpoint()));
   progress.say("checkpoint of step " + std::to_string(step));
   return write_model(run, path);
 }

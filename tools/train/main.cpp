@@ -12,29 +12,22 @@ Status run_config(const std::string& path, const std::string& snapshot,
   MIEN_TRY(TomlFile file, TomlFile::open(path));
   std::string system = "default";
   file.read("run", "system", system);
-  if (system == "default") {
-    MIEN_TRY(TrainingConfig config, read_training_config(file));
-    change(config.run);
-    config.options.device = config.run.device;
-    return snapshot.empty() ? train_default(config, progress) : snapshot_default(config, snapshot, progress);
-  }
-  if (system == architecture_name(Architecture::said_vae)) {
-    MIEN_TRY(SaidVaeConfig config, read_said_vae_config(file));
-    change(config.run);
-    config.options.device = config.run.device;
-    return snapshot.empty() ? train_said_vae(config, progress)
-                            : snapshot_said_vae(config, snapshot, progress);
-  }
+  const auto run = [&](auto config, auto train, auto write_snapshot) -> Status {
+    if (!config) return config.error();
+    change(config->run);
+    config->options.device = config->run.device;
+    return snapshot.empty() ? train(*config, progress) : write_snapshot(*config, snapshot, progress);
+  };
+  if (system == "default") return run(read_training_config(file), train_default, snapshot_default);
+  if (system == architecture_name(Architecture::said_vae))
+    return run(read_said_vae_config(file), train_said_vae, snapshot_said_vae);
   for (const auto architecture : {Architecture::facexhubert, Architecture::facediffuser_v,
-                                  Architecture::facediffuser_beat, Architecture::facediffuser_damm}) {
-    if (architecture_name(architecture) != system) continue;
-    MIEN_TRY(FaceConfig config, read_face_config(file, architecture));
-    change(config.run);
-    config.options.device = config.run.device;
-    return snapshot.empty() ? train_face(config, progress) : snapshot_face(config, snapshot, progress);
-  }
-  return Error{Errc::usage, "'" + path + "'", "[run] system '" + system + "' is not known",
-               "Known: default, facexhubert, facediffuser_v, facediffuser_beat, facediffuser_damm, said_vae"};
+                                  Architecture::facediffuser_beat, Architecture::facediffuser_damm})
+    if (system == architecture_name(architecture))
+      return run(read_face_config(file, architecture), train_face, snapshot_face);
+  return Error{
+      Errc::usage, "'" + path + "'", "[run] system '" + system + "' is not known",
+      "Known: default, facexhubert, facediffuser_v, facediffuser_beat, facediffuser_damm, said_vae"};
 }
 
 }  // namespace

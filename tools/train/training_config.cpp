@@ -28,6 +28,14 @@ void RunConfig::read(TomlFile& file) {
   text = file.text();
 }
 
+Status RunConfig::begin() const {
+  torch::set_num_threads(num_threads);
+  std::error_code ec;
+  std::filesystem::create_directories(work_folder, ec);
+  if (ec) return Error{Errc::failed, work_folder.string(), "cannot be created: " + ec.message(), ""};
+  return Done{};
+}
+
 Result<TrainingConfig> read_training_config(TomlFile& file) {
   TrainingConfig config;
   config.run.read(file);

@@ -18,6 +18,10 @@ struct RunConfig {
   torch::Device device = torch::kCPU;
 
   void read(TomlFile& file);
+  /// Sets the number of threads and makes the work folder. Error (Errc::failed): it cannot be made.
+  [[nodiscard]] Status begin() const;
+  /// Of a system that learns in one stage.
+  [[nodiscard]] std::filesystem::path checkpoint() const { return work_folder / "checkpoint.safetensors"; }
 };
 
 /// Training of the default model: configs/default.toml documents the fields.

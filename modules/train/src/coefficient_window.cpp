@@ -1,12 +1,18 @@
 #include "mien/train/coefficient_window.h"
 
 #include <algorithm>
-#include <string>
+#include <string_view>
 #include <utility>
 
 #include "mien/base/contract.h"
 
 namespace mien::train {
+
+std::int64_t draw_window_start(Rng& random, std::int64_t num_frames, std::int64_t window) {
+  contract(num_frames > 0 && window > 0, "draw_window_start: no frame to draw");
+  const std::int64_t half = window / 2, last = std::max<std::int64_t>(0, num_frames - half - 1);
+  return static_cast<std::int64_t>(random.below(static_cast<std::uint64_t>(last + half + 1))) - half;
+}
 
 std::vector<float> replicated_window(std::span<const float> sequence, std::int64_t num_channels,
                                      std::int64_t first, std::int64_t count) {
@@ -25,7 +31,7 @@ std::vector<float> replicated_window(std::span<const float> sequence, std::int64
   return window;
 }
 
-std::vector<std::size_t> mirror_order(std::span<const std::string_view> names) {
+std::vector<std::size_t> mirror_order(std::span<const std::string> names) {
   const auto other_side = [](std::string_view name) {
     for (const auto& [side, other] : {std::pair{"Left", "Right"}, {"Right", "Left"}})
       if (name.ends_with(side))

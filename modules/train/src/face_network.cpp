@@ -7,11 +7,6 @@
 namespace mien::train {
 namespace {
 
-void fill_uniform(torch::Tensor& slot, double bound, Rng rng) {
-  float* p = slot.data_ptr<float>();
-  for (std::int64_t i = 0; i < slot.numel(); ++i) p[i] = static_cast<float>(rng.uniform(-bound, bound));
-}
-
 void fill_normal(torch::Tensor& slot, Rng rng) {
   float* p = slot.data_ptr<float>();
   for (std::int64_t i = 0; i < slot.numel(); ++i) p[i] = static_cast<float>(rng.normal());

@@ -3,8 +3,8 @@
 #include <array>
 #include <numeric>
 
+#include "batch_tensors.h"
 #include "mien/base/hash.h"
-#include "mien/train/encoder_randomness.h"
 #include "mien/train/encoder_training.h"
 
 namespace mien::train {
@@ -12,24 +12,13 @@ namespace {
 
 using torch::Tensor;
 
-Tensor as_tensor(const std::vector<float>& values, const std::vector<std::int64_t>& shape,
-                 torch::Device device) {
-  return torch::from_blob(const_cast<float*>(values.data()), shape, torch::kFloat).clone().to(device);
-}
-
 Tensor motion_of(const FaceSequence& sequence, std::int64_t width, torch::Device device) {
-  return as_tensor(sequence.motion, {1, static_cast<std::int64_t>(sequence.motion.size()) / width, width},
-                   device);
+  return as_tensor(sequence.motion, {1, static_cast<std::int64_t>(sequence.motion.size()) / width, width})
+      .to(device);
 }
 
 Tensor neutral_of(const FaceSequence& sequence, torch::Device device) {
-  return as_tensor(sequence.neutral, {1, 1, static_cast<std::int64_t>(sequence.neutral.size())}, device);
-}
-
-Tensor noise_tensor(std::int64_t num_frames, std::int64_t width, std::uint64_t seed) {
-  Tensor noise = torch::empty({1, num_frames, width});
-  NoiseField(seed, 1).normal(0, 0, {noise.data_ptr<float>(), static_cast<std::size_t>(noise.numel())});
-  return noise;
+  return as_tensor(sequence.neutral, {1, 1, static_cast<std::int64_t>(sequence.neutral.size())}).to(device);
 }
 
 Tensor one_hot(std::int64_t index, std::int64_t width, torch::Device device) {
@@ -78,7 +67,7 @@ Tensor FaceStage::projected(const FaceSequence& sequence) {
   const auto compute = [&] {
     const auto length = static_cast<std::int64_t>(sequence.waveform.size());
     return network_.encoder.project(
-        network_.encoder.extract(as_tensor(sequence.waveform, {1, length, 1}, options_.device)));
+        network_.encoder.extract(as_tensor(sequence.waveform, {1, length, 1}).to(options_.device)));
   };
   if (!front_is_frozen_ || !options_.cache_features) return compute();
   Tensor& kept = features_[sequence.name];
@@ -90,16 +79,9 @@ Tensor FaceStage::projected(const FaceSequence& sequence) {
 }
 
 Tensor FaceStage::encode(const Tensor& projected, Rng* random) const {
-  const EncoderConfig& config = network_.encoder.config;
   if (random == nullptr) return network_.encoder.transform(projected);
-  std::vector<std::uint8_t> masked, skipped;
-  if (options_.spec_augment) masked = draw_masked_frames(config, projected.size(1), *random);
-  if (options_.layer_drop) skipped = draw_skipped_layers(config, *random);
-  EncoderCall call;
-  call.masked_frames = masked;
-  call.skipped_layers = skipped;
-  return options_.encoder_dropout ? network_.encoder.transform(projected, call, DropoutHooks{config})
-                                  : network_.encoder.transform(projected, call);
+  return transform_at_random(network_.encoder, projected, {},
+                             {options_.encoder_dropout, options_.layer_drop, options_.spec_augment}, *random);
 }
 
 Tensor FaceStage::masked(const Tensor& speech, Rng& random) const {
@@ -113,7 +95,7 @@ Tensor FaceStage::masked(const Tensor& speech, Rng& random) const {
   const bool noisy = kind == AudioMask::full_random || kind == AudioMask::partial_random;
   const std::uint64_t seed = (std::uint64_t{random.bits()} << 32) | random.bits();
   const Tensor cover =
-      noisy ? noise_tensor(speech.size(1), speech.size(2), seed) : torch::zeros(speech.sizes());
+      noisy ? noise_tensor(seed, {1, speech.size(1), speech.size(2)}) : torch::zeros(speech.sizes());
   return torch::where(covered.to(speech.device()), cover.to(speech.device()), speech);
 }
 
@@ -197,7 +179,7 @@ Result<Tensor> FaceStage::drawn_loss(FaceSequences::Split split, std::size_t ind
   if (network_.is_diffusion()) {
     noisy.step = static_cast<std::int64_t>(random.below(static_cast<std::uint64_t>(process_.size())));
     const Tensor x0 = motion_of(sequence, network_.num_channels(), options_.device);
-    noisy.x_t = diffuse(x0, noise_tensor(x0.size(1), x0.size(2), seed).to(options_.device), noisy.step);
+    noisy.x_t = diffuse(x0, noise_tensor(seed, x0.sizes().vec()).to(options_.device), noisy.step);
   }
   torch::manual_seed(mix64(seed));  // of dropout
   MIEN_TRY(const Estimate made,

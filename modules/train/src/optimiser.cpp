@@ -128,6 +128,20 @@ std::vector<Collect::Entry> not_trained(const std::vector<Collect::Entry>& entri
   return out;
 }
 
+void run_with_average(const std::vector<Collect::Entry>& entries, const std::vector<Moments>& moments,
+                      const std::function<void()>& work) {
+  const torch::NoGradGuard no_grad;
+  std::vector<torch::Tensor> kept;
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    if (!moments[i].average.defined()) continue;
+    kept.push_back(entries[i].slot->detach().clone());
+    entries[i].slot->copy_(moments[i].average);
+  }
+  work();
+  for (std::size_t i = 0, k = 0; i < entries.size(); ++i)
+    if (moments[i].average.defined()) entries[i].slot->copy_(kept[k++]);
+}
+
 void deliver_average(const std::vector<Collect::Entry>& entries, const std::vector<Moments>& moments) {
   const torch::NoGradGuard no_grad;
   for (std::size_t i = 0; i < entries.size(); ++i) {
@@ -189,7 +203,8 @@ Status run_stage(const std::string& name, const std::vector<Collect::Entry>& all
       norm = clip_gradients(entries, options.clip_norm);
       adamw_step(options, step, rate, entries, moments);
     }
-    report({step, loss_value, rate, norm});
+    report({step, loss_value, rate, norm,
+            [&](const std::function<void()>& work) { run_with_average(entries, moments, work); }});
     ++step;
     progress.update(step);
     const bool stop = progress.cancelled();

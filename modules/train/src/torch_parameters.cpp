@@ -50,6 +50,26 @@ void Initialise::buffer(std::string_view, torch::Tensor& slot, const Shape& shap
   slot = torch::zeros(shape);
 }
 
+void fill_uniform(torch::Tensor& slot, double bound, Rng random) {
+  float* p = slot.data_ptr<float>();
+  for (std::int64_t i = 0; i < slot.numel(); ++i) p[i] = static_cast<float>(random.uniform(-bound, bound));
+}
+
+void draw_as_pytorch(const std::vector<Collect::Entry>& entries, std::uint64_t seed) {
+  const torch::NoGradGuard no_grad;
+  double bound = 0;  // of the last weight: its bias has the same; 0: neither is drawn
+  for (const auto& e : entries) {
+    const bool is_weight = e.name.ends_with(".weight");
+    // Also of transposed convolutions [in, out, kernel], whose inputs PyTorch counts so.
+    if (is_weight)
+      bound = e.slot->dim() > 1 && e.slot->count_nonzero().item<std::int64_t>() > 0
+                  ? std::sqrt(static_cast<double>(e.slot->size(0)) / static_cast<double>(e.slot->numel()))
+                  : 0;
+    if (bound > 0 && (is_weight || e.name.ends_with(".bias")))
+      fill_uniform(*e.slot, bound, Rng(hash64(e.name, mix64(seed))));
+  }
+}
+
 Result<std::vector<Collect::Entry>> freeze(std::vector<Collect::Entry> all,
                                            const std::vector<std::string>& frozen) {
   const auto is_below = [](const std::string& name, const std::string& prefix) {

@@ -7,7 +7,6 @@
 #include <filesystem>
 #include <numeric>
 
-#include "mien/train/coefficient_window.h"
 #include "mien/train/optimiser.h"
 
 namespace mien::train {
@@ -32,10 +31,10 @@ said::VaeSizes small_sizes() {
 std::vector<CoefficientSequence> sequences(int count) {
   std::vector<CoefficientSequence> all;
   for (int i = 0; i < count; ++i) {
-    CoefficientSequence s{"sequence " + std::to_string(i), {}};
+    CoefficientSequence s{"sequence " + std::to_string(i), {}, {}};
     for (int n = 0; n < 70 + 5 * i; ++n)
       for (int k = 0; k < kWidth; ++k)
-        s.values.push_back(static_cast<float>(0.4 + 0.3 * std::sin(0.15 * (i + 2) * n / 2 + k)));
+        s.coefficients.push_back(static_cast<float>(0.4 + 0.3 * std::sin(0.15 * (i + 2) * n / 2 + k)));
     all.push_back(std::move(s));
   }
   return all;
@@ -135,13 +134,6 @@ TEST(CyclicalWeights, RiseInEveryCycle) {
   EXPECT_EQ(cyclical_weights(1, 1), (std::vector<double>{0}));
   EXPECT_EQ(cyclical_weights(3, 1, 0.5, 0), (std::vector<double>{0, 0, 0}));
   EXPECT_THROW(cyclical_weights(0, 1), std::logic_error);
-}
-
-TEST(ReplicatedWindow, RepeatsTheEnds) {
-  const std::vector<float> values = {1, 10, 2, 20, 3, 30};
-  EXPECT_EQ(replicated_window(values, 2, -2, 4), (std::vector<float>{1, 10, 1, 10, 1, 10, 2, 20}));
-  EXPECT_EQ(replicated_window(values, 2, 2, 2), (std::vector<float>{3, 30, 3, 30}));
-  EXPECT_THROW(replicated_window({}, 2, 0, 1), std::logic_error);
 }
 
 }  // namespace

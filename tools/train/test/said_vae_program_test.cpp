@@ -4,29 +4,16 @@
 #include <cmath>
 
 #include "mien/base/file.h"
-#include "mien/core/arkit.h"
 #include "mien/models/model_file.h"
 #include "mien/models/said/vae.h"
 #include "running_program.h"
+#include "small_encoder.h"
 #include "test_folder.h"
 
 namespace mien {
 namespace {
 
 namespace fs = std::filesystem;
-
-void write_coefficients(const fs::path& path, int num_frames, double rate) {
-  const auto names = arkit_order(ArkitOrder::said);
-  std::string text;
-  for (const auto& name : names) text += (text.empty() ? "" : ",") + name;
-  for (int n = 0; n < num_frames; ++n) {
-    text += '\n';
-    for (std::size_t k = 0; k < names.size(); ++k)
-      text += (k == 0 ? "" : ",") + std::to_string(0.4 + 0.3 * std::sin(rate * n + static_cast<double>(k)));
-  }
-  fs::create_directories(path.parent_path());
-  ASSERT_TRUE(write_file(path, std::string_view(text + "\n")));
-}
 
 class SaidVaeProgram : public testing::Test {
  protected:

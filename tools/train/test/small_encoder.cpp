@@ -6,6 +6,7 @@
 
 #include "mien/base/file.h"
 #include "mien/base/random.h"
+#include "mien/core/arkit.h"
 #include "mien/models/model_file.h"
 #include "mien/models/speech_encoder/network.h"
 #include "mien/nn/plain_weights.h"
@@ -60,6 +61,19 @@ void write_encoder(const fs::path& path) {
     ASSERT_TRUE(writer->write_float(t.name, values));
   }
   ASSERT_TRUE(writer->finish());
+}
+
+void write_coefficients(const fs::path& path, int num_frames, double rate) {
+  const auto names = arkit_order(ArkitOrder::said);
+  std::string text;
+  for (const auto& name : names) text += (text.empty() ? "" : ",") + name;
+  for (int n = 0; n < num_frames; ++n) {
+    text += '\n';
+    for (std::size_t k = 0; k < names.size(); ++k)
+      text += (k == 0 ? "" : ",") + std::to_string(0.4 + 0.3 * std::sin(rate * n + static_cast<double>(k)));
+  }
+  fs::create_directories(path.parent_path());
+  ASSERT_TRUE(write_file(path, std::string_view(text + "\n")));
 }
 
 void write_wav(const fs::path& path, int num_samples) {

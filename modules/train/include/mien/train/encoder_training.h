@@ -1,6 +1,7 @@
 #pragma once
 #include <torch/torch.h>
 
+#include "mien/base/random.h"
 #include "mien/io/safetensors.h"
 #include "mien/models/speech_encoder/network.h"
 #include "mien/train/torch_operations.h"
@@ -40,5 +41,15 @@ struct DropoutHooks {
     return config.activation_dropout;
   }
 };
+
+/// What a training pass does at random inside an encoder, as far as its configuration has it.
+struct EncoderNoise {
+  bool dropout = true, layer_drop = true, spec_augment = true;
+};
+
+/// The encoder behind its projected features [B, T, D], as a training pass: masked spans of each sequence of
+/// the batch and skipped layers are drawn from `random`, dropout from LibTorch's generator.
+torch::Tensor transform_at_random(const SpeechEncoder<torch::Tensor>& encoder, const torch::Tensor& projected,
+                                  EncoderCall call, const EncoderNoise& noise, Rng& random);
 
 }  // namespace mien::train

@@ -64,6 +64,9 @@ struct StageOptions {
 struct StepReport {
   std::int64_t step = 0;
   double loss = 0, learning_rate = 0, gradient_norm = 0;
+  /// Runs `work` while the parameters hold their exponential average (themselves, where there is none): to
+  /// validate or write what the stage would deliver if it ended here.
+  std::function<void(const std::function<void()>& work)> with_average{};
 };
 
 /// Minimises `loss(step)` over the trained parameters of `entries`, in order of steps. The state is saved to

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "mien/base/random.h"
 #include "mien/models/said/vae.h"
+#include "mien/train/coefficient_window.h"
 #include "mien/train/torch_channel_operations.h"
 #include "mien/train/torch_parameters.h"
 
@@ -65,12 +65,6 @@ struct VaeTrainingOptions {
   std::vector<float> deviation{};  ///< [K] of the coefficients; empty: differences are not divided
 };
 
-/// One sequence of coefficients [N, K].
-struct CoefficientSequence {
-  std::string name;
-  std::vector<float> values;
-};
-
 /// Each step takes a batch of windows at random places of random sequences, as many sequences an epoch as
 /// there are; everything a step draws follows from the seed and the step.
 class VaeStage {
@@ -79,7 +73,7 @@ class VaeStage {
   VaeStage(said::Vae<torch::Tensor>& vae, std::vector<CoefficientSequence> sequences,
            std::vector<std::size_t> mirror, const VaeTrainingOptions& options);
 
-  [[nodiscard]] std::int64_t steps_per_epoch() const;
+  [[nodiscard]] std::int64_t steps_per_epoch() const { return batches_.count(); }
   [[nodiscard]] std::int64_t num_steps() const { return options_.num_epochs * steps_per_epoch(); }
   torch::Tensor loss(std::int64_t step);
   /// Mean reconstruction error of the means of all windows of `sequences` that follow each other without
@@ -93,6 +87,7 @@ class VaeStage {
   std::vector<CoefficientSequence> sequences_;
   std::vector<std::size_t> mirror_;
   VaeTrainingOptions options_;
+  EpochBatches batches_;
   std::vector<double> weights_;  // of the divergence, by epoch
   torch::Tensor deviation_;
 };

@@ -58,6 +58,13 @@ std::vector<Collect::Entry> parameters(Network& network) {
   return std::move(collect.entries);
 }
 
+/// Uniform in [-bound, bound).
+void fill_uniform(torch::Tensor& slot, double bound, Rng random);
+
+/// As PyTorch begins: weights of linear maps and convolutions, and the biases behind them, uniform in
+/// +-1 / sqrt(inputs). Norms, what begins at zero, and parameters of other names stay as they are.
+void draw_as_pytorch(const std::vector<Collect::Entry>& entries, std::uint64_t seed);
+
 /// Freezes the parameters whose names begin with one of `frozen` ("audio_encoder.encoder.layers.0", or all of
 /// "audio_encoder"), and returns the others, which learn. Error (Errc::usage): nothing is called so, nothing
 /// is left to learn.

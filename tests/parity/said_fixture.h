@@ -12,9 +12,10 @@ namespace mien::parity {
 inline constexpr const char* kSaidWeights = "model_small.safetensors";
 
 template <class T>
-said::Network<T> said_network(const Fixture& weights) {
-  const auto sizes = said::sizes_of(weights.file());
+said::Network<T> said_network(const Fixture& weights, bool is_aligned = true) {
+  auto sizes = said::sizes_of(weights.file());
   if (!sizes) throw std::runtime_error(sizes.error().message());
+  sizes->is_aligned = is_aligned;
   return Backend<T>::load(weights, said::Network<T>(*sizes));
 }
 

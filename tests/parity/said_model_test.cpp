@@ -70,8 +70,8 @@ TEST(SaidCheckpoint, ImportedGivesTheRecordedNoise) {
 /// The packed denoiser and the packed encoder in the place of the plain ones.
 class FastPerformer {
  public:
-  explicit FastPerformer(const Fixture& weights, mien::Backend backend = mien::Backend::rowwise)
-      : denoiser_(plain_weights(weights), 1000, backend), encoder_(encoder_of(weights)) {}
+  explicit FastPerformer(const Fixture& weights, bool is_aligned = true)
+      : denoiser_(plain_weights(weights, is_aligned), 1000), encoder_(encoder_of(weights)) {}
 
   [[nodiscard]] Tensor encode(std::span<const float> waveform, std::int64_t num_frames) const {
     EncodeOptions options;
@@ -88,8 +88,10 @@ class FastPerformer {
   int num_threads = 1;
 
  private:
-  static said::Network<PlainWeights> plain_weights(const Fixture& weights) {
-    said::Network<PlainWeights> network(said::sizes_of(weights.file()).value());
+  static said::Network<PlainWeights> plain_weights(const Fixture& weights, bool is_aligned) {
+    said::Sizes sizes = said::sizes_of(weights.file()).value();
+    sizes.is_aligned = is_aligned;
+    said::Network<PlainWeights> network(sizes);
     LoadRuntime load(weights.file());
     load.leave_out("audio_encoder.");
     network.visit(load);
@@ -125,10 +127,10 @@ TEST_F(SaidFast, EditsEndAsRecorded) {
 
 /// The recorded passes, with speech and without: the plain network's within rounding, and the same bits for
 /// any number of threads.
-TEST_F(SaidFast, PassesEqualThePlainNetworks) {
+void expect_plain_passes(bool is_aligned) {
   const Fixture weights("said", kSaidWeights), recorded("said", "unet_forward.safetensors");
-  const auto plain = said_network<Tensor>(weights);
-  FastPerformer performer(weights);
+  const auto plain = said_network<Tensor>(weights, is_aligned);
+  FastPerformer performer(weights, is_aligned);
   for_each_said_case(recorded, "sample", [&](const std::string& prefix) {
     const std::int64_t step = recorded.integers(prefix + "timesteps").at(0), steps[] = {step};
     const Tensor x = recorded.slice(prefix + "sample", 0), context = recorded.slice(prefix + "context", 0);
@@ -148,6 +150,13 @@ TEST_F(SaidFast, PassesEqualThePlainNetworks) {
       EXPECT_EQ(outputs.back(), outputs.front());
     }
   });
+}
+
+TEST_F(SaidFast, PassesEqualThePlainNetworks) { expect_plain_passes(/*is_aligned=*/true); }
+
+/// The paper's ablation.
+TEST_F(SaidFast, PassesWithoutAlignmentBiasEqualThePlainNetworks) {
+  expect_plain_passes(/*is_aligned=*/false);
 }
 
 }  // namespace

@@ -19,6 +19,8 @@ Status run_config(const std::string& path, const std::string& snapshot,
     return snapshot.empty() ? train(*config, progress) : write_snapshot(*config, snapshot, progress);
   };
   if (system == "default") return run(read_training_config(file), train_default, snapshot_default);
+  if (system == architecture_name(Architecture::said))
+    return run(read_said_config(file), train_said, snapshot_said);
   if (system == architecture_name(Architecture::said_vae))
     return run(read_said_vae_config(file), train_said_vae, snapshot_said_vae);
   for (const auto architecture : {Architecture::facexhubert, Architecture::facediffuser_v,
@@ -27,7 +29,7 @@ Status run_config(const std::string& path, const std::string& snapshot,
       return run(read_face_config(file, architecture), train_face, snapshot_face);
   return Error{
       Errc::usage, "'" + path + "'", "[run] system '" + system + "' is not known",
-      "Known: default, facexhubert, facediffuser_v, facediffuser_beat, facediffuser_damm, said_vae"};
+      "Known: default, facexhubert, facediffuser_v, facediffuser_beat, facediffuser_damm, said, said_vae"};
 }
 
 }  // namespace

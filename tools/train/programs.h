@@ -1,6 +1,7 @@
 #pragma once
 #include "face_config.h"
 #include "mien/console/console_exit.h"
+#include "said_config.h"
 #include "said_vae_config.h"
 #include "training_config.h"
 
@@ -18,6 +19,11 @@ Status snapshot_default(const TrainingConfig& config, const std::filesystem::pat
 Status train_face(const FaceConfig& config, ConsoleProgress& progress);
 /// Writes the model of the last checkpoint.
 Status snapshot_face(const FaceConfig& config, const std::filesystem::path& path, ConsoleProgress& progress);
+
+/// SAiD's denoiser on coefficients and sound.
+Status train_said(const SaidConfig& config, ConsoleProgress& progress);
+/// Writes the averaged weights of the last checkpoint.
+Status snapshot_said(const SaidConfig& config, const std::filesystem::path& path, ConsoleProgress& progress);
 
 /// SAiD's motion codec on a folder of coefficients.
 Status train_said_vae(const SaidVaeConfig& config, ConsoleProgress& progress);

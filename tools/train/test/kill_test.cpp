@@ -7,6 +7,7 @@
 
 #include "mien/base/file.h"
 #include "running_program.h"
+#include "small_encoder.h"
 #include "small_set.h"
 #include "test_folder.h"
 
@@ -48,6 +49,28 @@ steps = 10
 )";
 constexpr std::size_t kMeanSteps = 40, kDiffusionSteps = 30, kSteps = 100;
 
+// Everything that is random is on; models are written between epochs.
+constexpr const char* kSaidConfig = R"([run]
+system = "said"
+data = "data"
+encoder = "encoder.safetensors"
+output = "model.safetensors"
+work_folder = "work"
+threads = 1
+[model]
+width = 32
+diffusion_steps = 20
+[training]
+epochs = 20
+batch = 2
+shortest_window = 24
+learning_rate = 1e-3
+warm_up_epochs = 2
+checkpoint_every = 7
+export_every = 6
+)";
+constexpr std::size_t kSaidSteps = 40;  // two batches of two for three sequences, twenty times
+
 std::string text_of(const fs::path& path) {
   const auto bytes = read_file(path);
   return bytes ? std::string(as_text(*bytes)) : "";
@@ -55,11 +78,24 @@ std::string text_of(const fs::path& path) {
 
 class Training : public testing::Test {
  protected:
-  fs::path new_run(const std::string& name) const {
+  fs::path new_run(const std::string& name, const char* config) const {
     const fs::path run = folder_.path() / name;
     fs::create_directory(run);
+    EXPECT_TRUE(write_file(run / "config.toml", config));
+    return run;
+  }
+  fs::path new_default_run(const std::string& name) const {
+    const fs::path run = new_run(name, kConfig);
     write_small_set(run / "set.safetensors");
-    EXPECT_TRUE(write_file(run / "config.toml", kConfig));
+    return run;
+  }
+  fs::path new_said_run(const std::string& name) const {
+    const fs::path run = new_run(name, kSaidConfig);
+    write_encoder(run / "encoder.safetensors");
+    for (const char* sentence : {"data/A/sentence01", "data/A/sentence02", "data/B/sentence01"}) {
+      write_coefficients(run / (std::string(sentence) + ".csv"), 45, 0.1);
+      write_wav(run / (std::string(sentence) + ".wav"), 12000);
+    }
     return run;
   }
   static std::unique_ptr<RunningProgram> start(const fs::path& run) {
@@ -71,7 +107,7 @@ class Training : public testing::Test {
     return static_cast<std::size_t>(std::count(log.begin(), log.end(), '\n'));
   }
   // Starts a run, kills it when its log has so many lines, and looks at what it left.
-  static void kill_at(const fs::path& run, std::size_t lines) {
+  static void kill_at(const fs::path& run, std::size_t lines, std::size_t steps) {
     const auto program = start(run);
     const auto deadline = std::chrono::steady_clock::now() + std::chrono::minutes(2);
     // Of a resumed run: first it cuts the log back to its checkpoint.
@@ -79,28 +115,38 @@ class Training : public testing::Test {
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     program->send(SIGKILL);
     ASSERT_EQ(program->wait(), 128 + SIGKILL) << program->err();
-    ASSERT_LT(lines_of(log_of(run)), kSteps) << "it was through before it was killed";
+    ASSERT_LT(lines_of(log_of(run)), steps) << "it was through before it was killed";
     EXPECT_FALSE(fs::exists(run / "model.safetensors"));
+  }
+
+  // One run is left alone, the other killed when its log has so many lines.
+  static void expect_same(const fs::path& whole, const fs::path& killed,
+                          const std::vector<std::size_t>& lines, std::size_t steps) {
+    const auto program = start(whole);
+    ASSERT_EQ(program->wait(), 0) << program->err();
+    ASSERT_EQ(lines_of(log_of(whole)), steps);
+    for (const std::size_t at : lines) kill_at(killed, at, steps);
+    const auto last = start(killed);
+    ASSERT_EQ(last->wait(), 0) << last->err();
+    EXPECT_EQ(log_of(killed), log_of(whole));
+    EXPECT_TRUE(text_of(killed / "model.safetensors") == text_of(whole / "model.safetensors"));
   }
 
   TestFolder folder_;
 };
 
 TEST_F(Training, GoesOnAfterBeingKilledWithTheSameLosses) {
-  const fs::path whole = new_run("whole"), killed = new_run("killed");
-  const auto program = start(whole);
-  ASSERT_EQ(program->wait(), 0) << program->err();
-  ASSERT_EQ(lines_of(log_of(whole)), kSteps);
+  expect_same(new_default_run("whole"), new_default_run("killed"),
+              // before the first checkpoint, after it ...
+              {3, 12, 26, kMeanSteps + 10, kMeanSteps + kDiffusionSteps + 9}, kSteps);
+}
 
-  kill_at(killed, 3);   // before the first checkpoint
-  kill_at(killed, 12);  // after it
-  kill_at(killed, 26);
-  kill_at(killed, kMeanSteps + 10);
-  kill_at(killed, kMeanSteps + kDiffusionSteps + 9);
-  const auto last = start(killed);
-  ASSERT_EQ(last->wait(), 0) << last->err();
-  EXPECT_EQ(log_of(killed), log_of(whole));
-  EXPECT_TRUE(text_of(killed / "model.safetensors") == text_of(whole / "model.safetensors"));
+TEST_F(Training, OfSaidGoesOnAfterBeingKilledWithTheSameLosses) {
+  const fs::path whole = new_said_run("whole"), killed = new_said_run("killed");
+  expect_same(whole, killed, {3, 12, 26, 33}, kSaidSteps);
+  for (const char* model :
+       {"work/epoch_5.safetensors", "work/epoch_11.safetensors", "work/epoch_17.safetensors"})
+    EXPECT_TRUE(text_of(killed / model) == text_of(whole / model)) << model;
 }
 
 }  // namespace

@@ -103,7 +103,7 @@ Tensor FastDenoiser::context(const Tensor& features) const {
 
 FastDenoiser::Speech FastDenoiser::listen(const Tensor& context, std::int64_t num_frames) const {
   const Packed& p = *packed_;
-  Speech speech{{}, aligned_keys(num_frames, context.num_rows())};
+  Speech speech{{}, p.sizes.seen_keys(num_frames, context.num_rows())};
   for (const auto* block : {&p.encoder_mix, &p.middle_mix, &p.decoder_mix, &p.decoder_mix2})
     speech.keys_and_values.push_back(linear(context, block->key_value));
   return speech;

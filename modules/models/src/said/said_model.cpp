@@ -54,8 +54,10 @@ Result<SaidModel> SaidModel::load(const std::filesystem::path& path, EncoderPrec
   if (description->architecture != Architecture::said)
     return fail(unfit("is a '" + std::string(architecture_name(description->architecture)) + "'"));
   if (!description->encoder) return fail(unfit("has no speech encoder"));
-  const auto sizes = said::sizes_of(*file);
+  auto sizes = said::sizes_of(*file);
   if (!sizes) return fail(sizes.error());
+  const auto bias = description->sizes.find("alignment_bias");
+  sizes->is_aligned = bias == description->sizes.end() || bias->second != 0;
   if (const Status fits = check(*description, *sizes); !fits) return fail(fits.error());
   auto encoder =
       EncoderRuntime::load(*file, *description->encoder, std::string(ModelFile::kEncoderPrefix), precision);

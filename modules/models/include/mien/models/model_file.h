@@ -75,7 +75,8 @@ struct ModelFile {
   std::optional<ModelDiffusion> diffusion;
   std::optional<ModelScaler> scaler;
   /// Of layers that shapes do not tell: the default model's; "decoder_heads" of a transformer decoder;
-  /// "heads" of ProbTalk3D.
+  /// "heads" of ProbTalk3D;
+  /// "alignment_bias" 0 of a SAiD that hears its whole clip at every frame.
   std::map<std::string, std::int64_t> sizes;
   std::string noise_encoder =
       {};  ///< of V-FaceDiffuser where it is not the published one: "conv_average", "mlp"

@@ -25,6 +25,15 @@ struct Sizes {
   std::int64_t inner = 768;        ///< of the feed-forward parts, behind their gate
   std::int64_t speech = 768;       ///< of the encoder's features; more than D only with audio_proj_layer
   bool has_projection = false;     ///< audio_proj_layer stands between encoder and denoiser
+  /// A frame looks at its own speech and that beside it. False in the paper's ablation without alignment
+  /// bias, where it looks at all; shapes do not tell.
+  bool is_aligned = true;
+
+  /// The frames of context that each frame of motion looks at.
+  [[nodiscard]] std::vector<KeyRange> seen_keys(std::int64_t num_frames, std::int64_t num_context) const {
+    if (is_aligned) return aligned_keys(num_frames, num_context);
+    return std::vector<KeyRange>(static_cast<std::size_t>(num_frames), KeyRange{0, num_context});
+  }
 
   static constexpr std::int64_t kHeadWidth = 32;  ///< fixed in the original
   static constexpr std::int64_t kGroups = 32;     ///< of the group norms, too
@@ -215,7 +224,7 @@ struct Denoiser {
   T operator()(const T& x_t, std::span<const std::int64_t> steps, const T& context,
                const Hooks& hooks = {}) const {
     using B = Operations<T>;
-    const std::vector<KeyRange> ranges = aligned_keys(B::num_rows(x_t), B::num_rows(context));
+    const std::vector<KeyRange> ranges = sizes.seen_keys(B::num_rows(x_t), B::num_rows(context));
     const auto kept = [&](std::string_view name, T value) {
       hooks.stage(name, "", value);
       return value;

@@ -115,6 +115,9 @@ TEST_F(FitTest, SaysWhatDoesNotFit) {
   expect(transfer({"--exclude", "0-999"}), 3, "vertex 999 does not exist: there are 255");
   expect(mien({"transfer", "target.obj", "--from", "shapes", "--markers", "pairs.csv", "-o", "made.csv"}), 2,
          "a character is written as .glb");
+  write("beyond.csv", "0,0\n10,16\n110,238\n120,255\n60,127\n");
+  expect(mien({"transfer", "target.obj", "--from", "shapes", "--markers", "beyond.csv", "-o", "made.glb"}), 3,
+         "marker 4: its target vertex 255 does not exist: there are 255");
   write("twice.csv", "0,0\n0,1\n5,5\n9,9\n");
   expect(mien({"transfer", "target.obj", "--from", "shapes", "--markers", "twice.csv", "-o", "made.glb"}), 3,
          "names the source vertex 0 again");

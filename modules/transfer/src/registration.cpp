@@ -210,16 +210,12 @@ Point3 Registration::on_surface(const Point3& place, std::uint32_t near) const {
 }
 
 Status check_markers(const Surface& source, const Surface& target, std::span<const Marker> markers) {
+  MIEN_TRY([[maybe_unused]] const auto there,
+           check_markers_exist(markers, source.points.size(), target.points.size()));
   std::map<std::uint32_t, std::size_t> sources;
   for (std::size_t i = 0; i < markers.size(); ++i) {
     const Marker& m = markers[i];
     const std::string name = "marker " + std::to_string(i + 1);
-    if (m.source >= source.points.size() || m.target >= target.points.size())
-      return Error{Errc::input, name,
-                   "pairs vertex " + std::to_string(m.source) + " with " + std::to_string(m.target) +
-                       ", but there are " + std::to_string(source.points.size()) + " and " +
-                       std::to_string(target.points.size()),
-                   "Vertices are counted from 0, source first"};
     if (const auto [twin, is_new] = sources.emplace(m.source, i); !is_new)
       return Error{Errc::input, name,
                    "names the source vertex " + std::to_string(m.source) + " again, after marker " +
@@ -237,6 +233,19 @@ double mean_edge(const Surface& surface) {
 }
 
 }  // namespace
+
+Status check_markers_exist(std::span<const Marker> markers, std::size_t num_source, std::size_t num_target) {
+  for (std::size_t i = 0; i < markers.size(); ++i) {
+    const bool is_source = markers[i].source >= num_source;
+    if (!is_source && markers[i].target < num_target) continue;
+    return Error{Errc::input, "marker " + std::to_string(i + 1),
+                 std::string("its ") + (is_source ? "source" : "target") + " vertex " +
+                     std::to_string(is_source ? markers[i].source : markers[i].target) +
+                     " does not exist: there are " + std::to_string(is_source ? num_source : num_target),
+                 "Vertices are counted from 0; a pair is source,target"};
+  }
+  return Done{};
+}
 
 Result<std::vector<Point3>> register_surface(const Surface& source, const Surface& target,
                                              std::span<const Marker> markers,

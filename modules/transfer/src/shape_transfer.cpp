@@ -161,6 +161,8 @@ Result<ShapeTransferResult> transfer_shapes(const TransferMesh& source_mesh,
   Result<ShapeTransferResult> result{ShapeTransferResult{}};
   ShapeTransferReport& report = result->report;
   auto start = std::chrono::steady_clock::now();
+  MIEN_TRY([[maybe_unused]] const auto there, check_markers_exist(markers, source_mesh.mesh->positions.size(),
+                                                                  target_mesh.mesh->positions.size()));
   SurfacePart source = part_of(source_mesh);
   const SurfacePart target = part_of(target_mesh);
   if (source.surface.triangles.empty() || target.surface.triangles.empty())

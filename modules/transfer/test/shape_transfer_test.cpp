@@ -84,6 +84,17 @@ TEST(ShapeTransfer, ExcludedPartsDoNotMove) {
   EXPECT_EQ(transfer_shapes({&source}, {}, nothing, markers, {}, progress).error().code, Errc::input);
 }
 
+TEST(ShapeTransfer, NamesAMarkerThatIsNotThere) {
+  const Mesh source = mesh_of(sheet(11, 11)), target = mesh_of(sheet(17, 15));
+  const std::vector<Blendshape> shapes = {shape_of(sheet(11, 11), "raise", 1)};
+  auto markers = kMarkers;
+  markers.push_back({1, 255});
+  Progress progress;
+  const auto result = transfer_shapes({&source}, shapes, {&target}, markers, {}, progress);
+  ASSERT_FALSE(result.has_value());
+  EXPECT_THAT(result.error().message(), HasSubstr("marker 6: its target vertex 255 does not exist"));
+}
+
 TEST(ShapeTransfer, StopsWhenInterrupted) {
   const Mesh source = mesh_of(sheet(11, 11)), target = mesh_of(sheet(17, 15));
   Progress progress;

@@ -38,6 +38,10 @@ struct RegistrationOptions {
   double reach = 0;
 };
 
+/// Errors (Errc::input): the first marker that names a vertex beyond those of its mesh, by its number and
+/// side.
+Status check_markers_exist(std::span<const Marker> markers, std::size_t num_source, std::size_t num_target);
+
 /// The source bent onto the target: markers meet exactly, the rest is smooth and, where the target is within
 /// reach, on it. Errors (Errc::input): markers that are not there or name a vertex twice; a source whose
 /// triangles do not hold together. @return [V of the source]

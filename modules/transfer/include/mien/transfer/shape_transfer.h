@@ -55,8 +55,8 @@ struct TransferMesh {
 /// pairs, deformation transfer. Excluded vertices of the target do not move.
 ///
 /// Warnings: shapes that do not move the source, markers on excluded vertices (left out).
-/// Errors (Errc::input): fewer than four markers that count; those of register_surface() and
-/// DeformationTransfer; Errc::incompatible when no triangles lie on each other; Errc::cancelled.
+/// Errors (Errc::input): markers that are not there; fewer than four that count; those of register_surface()
+/// and DeformationTransfer; Errc::incompatible when no triangles lie on each other; Errc::cancelled.
 /// @pre shapes' vertices lie within the source; meshes' triangles within their vertices
 Result<ShapeTransferResult> transfer_shapes(const TransferMesh& source, std::span<const Blendshape> shapes,
                                             const TransferMesh& target, std::span<const Marker> markers,

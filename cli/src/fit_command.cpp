@@ -16,6 +16,7 @@
 #include "mien/io/motion_file.h"
 #include "options.h"
 #include "outputs.h"
+#include "person_faces.h"
 
 namespace mien {
 namespace {
@@ -23,7 +24,8 @@ namespace {
 namespace fs = std::filesystem;
 
 struct FitArguments {
-  std::string input, output, character, shapes, vertices, format = ".csv", residuals;
+  std::string input, output, character, person_shapes, templates, shapes, vertices, format = ".csv",
+                                                                                    residuals;
   double fps = 0, to_fps = 60, max_change = 0.1, mm_per_unit = 0;
   int threads = hardware_threads();
   bool force = false, json = false;
@@ -32,18 +34,33 @@ struct FitArguments {
 // One sequence to fit and where its coefficients go.
 struct Task {
   fs::path input, output;
+  std::string person;  // whose face it is, where persons have shapes of their own
 };
 
-Result<std::vector<Task>> plan_tasks(const FitArguments& a, const std::vector<fs::path>& sequences) {
+// In a folder: <sequence>.csv, or <person>/sentence07.csv as SAiD's programs have it.
+fs::path place_of(const Task& task, const std::string& format) {
+  const std::string name = task.input.stem().string();
+  if (task.person.empty()) return name + format;
+  const bool begins = name.starts_with(task.person + "_");
+  return fs::path(task.person) / ((begins ? name.substr(task.person.size() + 1) : name) + format);
+}
+
+Result<std::vector<Task>> plan_tasks(const FitArguments& a, const std::vector<fs::path>& sequences,
+                                     const std::optional<PersonFaces>& persons) {
   const bool is_folder = a.output.ends_with('/');
   if (sequences.size() > 1 && !is_folder)
     return Error{Errc::usage, "output '" + a.output + "'",
                  "'" + a.input + "' holds " + std::to_string(sequences.size()) + " sequences",
                  "Write into a folder: " + a.output + "/"};
   std::vector<Task> tasks;
-  for (const fs::path& input : sequences)
-    tasks.push_back(
-        {input, is_folder ? fs::path(a.output) / (input.stem().string() + a.format) : fs::path(a.output)});
+  for (const fs::path& input : sequences) {
+    Task task{input, a.output, {}};
+    if (persons) {
+      MIEN_TRY(task.person, persons->person_of(input));
+    }
+    if (is_folder) task.output = fs::path(a.output) / place_of(task, a.format);
+    tasks.push_back(std::move(task));
+  }
   return tasks;
 }
 
@@ -114,26 +131,34 @@ void scale_sequence(Motion& sequence, double metres_per_unit) {
 
 class Fitter {
  public:
-  Fitter(const FitArguments& a, Character character, bool is_folder, ConsoleProgress& progress)
-      : a_(a), character_(std::move(character)), is_folder_(is_folder), progress_(progress) {}
+  /// @param in_units_of_input  the faces are in the unit of the sequences, not in metres
+  Fitter(const FitArguments& a, Character character, const std::optional<PersonFaces>& persons,
+         bool in_units_of_input, ConsoleProgress& progress)
+      : a_(a),
+        character_(std::move(character)),
+        persons_(persons),
+        in_units_of_input_(in_units_of_input),
+        progress_(progress) {}
 
   Status fit(const Task& task) {
     auto sequence = read_sequence(task.input, a_.fps);
     if (!sequence) return sequence.error();
     for (const auto& warning : sequence.warnings) progress_.warn(warning);
     const double unit_mm = mm_per_unit(*sequence, a_.mm_per_unit);
-    if (!rig_ || sequence->topology.num_vertices != rig_vertices_) {
+    if (!rig_ || sequence->topology.num_vertices != rig_vertices_ || task.person != rig_person_) {
+      if (persons_) character_ = persons_->face(task.person);
       MIEN_TRY(rig_, fit_rig(character_, a_.shapes, a_.vertices, sequence->topology.num_vertices));
       rig_vertices_ = sequence->topology.num_vertices;
+      rig_person_ = task.person;
     }
     Motion part = taken_vertices(*rig_, std::move(*sequence));
-    if (!is_folder_) scale_sequence(part, unit_mm / 1000);
+    if (!in_units_of_input_) scale_sequence(part, unit_mm / 1000);
     if (a_.to_fps > 0 && part.fps != a_.to_fps) part = resample(part, a_.to_fps);
     const FitOptions options{.lower = 0, .upper = 1, .max_change = a_.max_change, .num_threads = a_.threads};
     const auto fitted =
         fit_coefficients(rig_->neutral, rig_->shapes, part, rig_->regions, options, progress_);
     if (!fitted) return within(fitted.error(), "'" + task.input.string() + "'");
-    const double mm = is_folder_ ? unit_mm : 1000;
+    const double mm = in_units_of_input_ ? unit_mm : 1000;
 
     Bytes glb;
     if (task.output.extension() == ".glb") {
@@ -161,24 +186,51 @@ class Fitter {
  private:
   const FitArguments& a_;
   Character character_;
-  bool is_folder_;
+  const std::optional<PersonFaces>& persons_;
+  bool in_units_of_input_;
   ConsoleProgress& progress_;
   std::optional<FitRig> rig_;
   std::int64_t rig_vertices_ = 0, num_frames_ = 0;
+  std::string rig_person_;
   std::string residuals_;
 };
 
+Status check_arguments(const FitArguments& a) {
+  if (a.person_shapes.empty() != a.templates.empty())
+    return Error{Errc::usage, "--person-shapes and --templates", "belong together",
+                 "Pass both, or --character with one face"};
+  if (a.person_shapes.empty()) return Done{};
+  if (!a.character.empty())
+    return Error{Errc::usage, "--character", "does not go with --person-shapes: persons have their own faces",
+                 ""};
+  if (a.format == ".glb" || a.output.ends_with(".glb"))
+    return Error{Errc::usage, "output '" + a.output + "'",
+                 "faces of --person-shapes have no triangles for a .glb", "Write .csv, .json or .npy"};
+  return Done{};
+}
+
 Status run_fit(const FitArguments& a, ConsoleProgress& progress) {
   const auto start = std::chrono::steady_clock::now();
-  MIEN_TRY(const auto path, character_path(a.character));
+  MIEN_TRY([[maybe_unused]] const auto fits, check_arguments(a));
   MIEN_TRY(const auto sequences, find_sequences(a.input));
-  MIEN_TRY(auto tasks, plan_tasks(a, sequences));
+  fs::path path = a.person_shapes;
+  std::optional<PersonFaces> persons;
+  if (a.person_shapes.empty()) {
+    MIEN_TRY(path, character_path(a.character));
+  } else {
+    MIEN_TRY(persons, PersonFaces::load(a.person_shapes, a.templates, a.vertices));
+  }
+  MIEN_TRY(auto tasks, plan_tasks(a, sequences, persons));
   const std::size_t num_found = tasks.size();
   std::error_code problem;
   if (a.output.ends_with('/')) {
-    fs::create_directories(a.output, problem);
-    if (problem) return Error{Errc::failed, "'" + a.output + "'", "cannot be made: " + problem.message(), ""};
     if (!a.force) std::erase_if(tasks, [](const Task& task) { return fs::exists(task.output); });
+    for (const Task& task : tasks) {
+      fs::create_directories(task.output.parent_path(), problem);
+      if (problem)
+        return Error{Errc::failed, "'" + task.output.parent_path().string() + "'",
+                     "cannot be made: " + problem.message(), ""};
+    }
   }
   constexpr OutputKind kKinds[] = {OutputKind::motion};
   for (const Task& task : tasks) {
@@ -192,9 +244,11 @@ Status run_fit(const FitArguments& a, ConsoleProgress& progress) {
                  " outputs are there already; --force makes them again");
   progress.event("start", "\"command\":\"fit\",\"input\":" + json_string(a.input) + ",\"outputs\":[" +
                               json_string(a.output) + "]");
-  auto character = load_character(path);
-  if (!character) return character.error();
-  Fitter fitter(a, std::move(*character), fs::is_directory(path, problem), progress);
+  Character character;
+  if (!persons) {
+    MIEN_TRY(character, load_character(path));
+  }
+  Fitter fitter(a, std::move(character), persons, persons || fs::is_directory(path, problem), progress);
   for (const Task& task : tasks) {
     if (progress.cancelled()) return Error{Errc::cancelled, "", "interrupted", ""};
     MIEN_TRY([[maybe_unused]] const auto done, fitter.fit(task));
@@ -232,6 +286,11 @@ void add_fit_command(CLI::App& program, Chosen& chosen) {
       "--character", a->character,
       "The sequence's face with shapes (.glb .gltf .vrm .safetensors), or a folder of neutral.obj "
       "and a mesh per shape. Default: Mien's head");
+  command->add_option("--person-shapes", a->person_shapes,
+                      "BlendVOCA's residuals (.pkl: person, shape, displacements) instead of --character; "
+                      "sequences begin with their person's name");
+  command->add_option("--templates", a->templates,
+                      "The persons' neutral faces (VOCASET's templates.pkl, .safetensors, or a folder)");
   command->add_option("--shapes", a->shapes,
                       "Shapes to use: said (the 32 of BlendVOCA) or names apart by commas. Default: all");
   command->add_option("--vertices", a->vertices,
@@ -260,10 +319,13 @@ void add_fit_command(CLI::App& program, Chosen& chosen) {
   command->add_flag("--quiet", chosen.quiet, "Print no progress");
   command->add_flag("--json", chosen.json,
                     "Print a JSON object per sequence, progress as JSON lines on stderr");
-  add_footer(*command,
-             "  mien fit take.npy --character face.glb -o take.csv --residuals left.csv\n"
-             "  mien fit vertices_npy --character blendshapes/ --vertices FLAME_head_idx.txt --shapes said "
-             "-o out/\n");
+  add_footer(
+      *command,
+      "  mien fit take.npy --character face.glb -o take.csv --residuals left.csv\n"
+      "  mien fit vertices_npy --character blendshapes/ --vertices FLAME_head_idx.txt --shapes said "
+      "-o out/\n"
+      "  mien fit vocaset/vertices_npy --person-shapes residuals.pkl --templates templates.pkl --vertices "
+      "FLAME_head_idx.txt --shapes said --fps 60 -o coefficients/\n");
   command->callback([a, &chosen] {
     a->json = chosen.json;
     chosen.work = [a](ConsoleProgress& progress) { return run_fit(*a, progress); };

@@ -134,6 +134,12 @@ Result<std::vector<fs::path>> find_sequences(const std::string& path) {
   fs::path folder(path);
   if (folder.filename().empty()) folder = folder.parent_path();
   if (!frames_of(folder).empty()) return std::vector<fs::path>{folder};
+  if (fs::exists(folder / "data_verts.npy", problem))
+    return Error{Errc::incompatible, "folder '" + path + "'",
+                 "is VOCASET as released: one table holds the frames of all sequences",
+                 "Take them apart: mien data prepare " + path +
+                     " --layout vocaset -o vocaset; then fit "
+                     "vocaset/vertices_npy"};
   std::vector<fs::path> found;
   for (const fs::path& entry : sorted_entries(folder))
     if (lower_extension(entry) == ".npy" || (fs::is_directory(entry, problem) && !frames_of(entry).empty()))

@@ -7,6 +7,8 @@
 #include "mien/io/character_file.h"
 #include "mien/io/mesh_file.h"
 #include "mien/io/motion_file.h"
+#include "mien/io/npy.h"
+#include "pickle_text.h"
 #include "program.h"
 
 namespace mien {
@@ -103,6 +105,85 @@ TEST_F(FitTest, AFolderOfSequencesIsFittedOnceWithASubsetOfVertices) {
   EXPECT_EQ(again.exit_code, 0);
   EXPECT_THAT(again.err, HasSubstr("2 of 2 outputs are there already"));
   EXPECT_TRUE(again.out.empty());
+}
+
+// As BlendVOCA: persons with faces of their own, of which the residuals move some vertices.
+TEST_F(FitTest, PersonsHaveShapesOfTheirOwn) {
+  using pickle_text::dict, pickle_text::text;
+  constexpr std::size_t kVertices = 120, kMoved = 118;  // the first two are left out
+  const auto neutral = [](double person) {
+    std::vector<double> values;
+    for (std::size_t i = 0; i < 3 * kVertices; ++i)
+      values.push_back(0.1 * std::sin(static_cast<double>(i)) + person);
+    return values;
+  };
+  const auto residual = [](double phase) {
+    std::vector<double> values;
+    for (std::size_t i = 0; i < 3 * kMoved; ++i)
+      values.push_back(0.02 * std::cos(1.7 * static_cast<double>(i) + phase));
+    return values;
+  };
+  const auto as_mesh = [](const std::vector<double>& values) {
+    return pickle_text::array(values, "f8", {values.size() / 3, 3});
+  };
+  std::vector<std::pair<std::string, std::string>> templates, residuals;
+  std::filesystem::create_directories(in_folder("many"));
+  const Motion truth = curves();
+  for (const auto& [person, where] : {std::pair{"Anna", 0.0}, {"Bert", 0.5}}) {
+    templates.emplace_back(text(person), as_mesh(neutral(where)));
+    residuals.emplace_back(text(person), dict({{text("jawOpen"), as_mesh(residual(where))},
+                                               {text("mouthSmileLeft"), as_mesh(residual(where + 2))}}));
+    NpyArray frames{{truth.num_frames(), kVertices, 3}, {}};
+    for (std::int64_t n = 0; n < truth.num_frames(); ++n)
+      for (std::size_t i = 0; i < 3 * kVertices; ++i) {
+        double value = neutral(where)[i];
+        if (i >= 6)
+          value += static_cast<double>(truth.frame(n)[0]) * residual(where)[i - 6] +
+                   static_cast<double>(truth.frame(n)[1]) * residual(where + 2)[i - 6];
+        frames.values.push_back(static_cast<float>(value));
+      }
+    const Bytes npy = write_npy(frames);
+    ASSERT_TRUE(write_file(in_folder("many/" + std::string(person) + "_sentence03.npy"),
+                           std::span<const std::byte>(npy)));
+  }
+  write("templates.pkl", dict(templates) + ".");
+  write("residuals.pkl", dict(residuals) + ".");
+  write("head.txt", "2-119\n");
+  const std::vector<std::string> words = {"fit",
+                                          "many",
+                                          "--person-shapes",
+                                          "residuals.pkl",
+                                          "--templates",
+                                          "templates.pkl",
+                                          "--vertices",
+                                          "head.txt",
+                                          "--fps",
+                                          "60",
+                                          "--format",
+                                          ".json",
+                                          "-o",
+                                          "out/"};
+  const auto run = mien(words);
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  for (const char* person : {"Anna", "Bert"}) {
+    const auto back = read_motion(in_folder("out/" + std::string(person) + "/sentence03.json"));
+    ASSERT_TRUE(back) << back.error().message();
+    EXPECT_EQ(back->channels, truth.channels);
+    ASSERT_EQ(back->values.size(), truth.values.size());
+    for (std::size_t i = 0; i < truth.values.size(); ++i)
+      EXPECT_NEAR(back->values[i], truth.values[i], 1e-3) << person;
+  }
+  const auto fails = [](const Outcome& failed, int code, const std::string& why) {
+    EXPECT_EQ(failed.exit_code, code) << failed.err;
+    EXPECT_THAT(failed.err, HasSubstr(why));
+  };
+  fails(mien({"fit", "many", "--person-shapes", "residuals.pkl", "-o", "x/"}), 2, "belong together");
+  fails(mien({"fit", "many", "--person-shapes", "residuals.pkl", "--templates", "templates.pkl", "-o", "x/"}),
+        4, "moves 118 vertices, the templates have 120");
+  ASSERT_TRUE(write_file(in_folder("many/Carl_sentence01.npy"), bytes_of("many/Anna_sentence03.npy")));
+  fails(mien(words), 4, "is of none of the 2 persons");
+  ASSERT_TRUE(write_file(in_folder("many/data_verts.npy"), bytes_of("many/Anna_sentence03.npy")));
+  fails(mien(words), 4, "mien data prepare");
 }
 
 TEST_F(FitTest, SaysWhatDoesNotFit) {

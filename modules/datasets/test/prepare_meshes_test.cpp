@@ -2,8 +2,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <cstring>
-
 #include "mien/audio/load_audio.h"
 #include "mien/base/file.h"
 #include "mien/datasets/check.h"
@@ -11,6 +9,7 @@
 #include "mien/datasets/scaling.h"
 #include "mien/io/mesh_file.h"
 #include "mien/io/npy.h"
+#include "pickle_text.h"
 #include "test_folder.h"
 #include "tiny_data.h"
 
@@ -44,26 +43,11 @@ NpyArray array_of(const fs::path& path) {
   return array ? std::move(*array) : NpyArray{};
 }
 
-// Python's pickles, protocol 2 and below, as VOCASET's makers wrote them.
-std::string text(std::string_view t) {
-  return "U" + std::string(1, static_cast<char>(t.size())) + std::string(t);
-}
-std::string number(std::int64_t n) { return "I" + std::to_string(n) + "\n"; }
-std::string dict(const std::vector<std::pair<std::string, std::string>>& entries) {
-  std::string all = "}";
-  for (const auto& [key, value] : entries) all += key + value + "s";
-  return all;
-}
-template <class T>
-std::string array(const std::vector<T>& values, const char* type) {
-  std::string data(values.size() * sizeof(T), '\0'), length(4, '\0');
-  std::memcpy(data.data(), values.data(), data.size());
-  const auto size = static_cast<std::uint32_t>(data.size());
-  std::memcpy(length.data(), &size, sizeof size);
-  return "cnumpy.core.multiarray\n_reconstruct\n(cnumpy\nndarray\n(I0\ntS'b'\ntR(I1\n(I" +
-         std::to_string(values.size()) + "\ntcnumpy\ndtype\n(S'" + type +
-         "'\nI0\nI1\ntR(I3\nS'<'\nNNNI-1\nI-1\nI0\ntbI0\nT" + length + data + "tb";
-}
+using pickle_text::array;
+using pickle_text::dict;
+using pickle_text::number;
+using pickle_text::text;
+
 std::string sound(int num_samples, std::int16_t value) {
   return dict(
       {{text("audio"), array(std::vector<std::int16_t>(static_cast<std::size_t>(num_samples), value), "i2")},

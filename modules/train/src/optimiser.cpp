@@ -38,8 +38,8 @@ double clip_gradients(const std::vector<Collect::Entry>& entries, double limit) 
 void adamw_step(const StageOptions& o, std::int64_t step, double rate,
                 const std::vector<Collect::Entry>& entries, std::vector<Moments>& moments) {
   // A short run would otherwise keep its random start in the average.
-  const double decay =
-      std::min(o.average_decay, (1.0 + static_cast<double>(step)) / (10.0 + static_cast<double>(step)));
+  const auto done = static_cast<double>(step);
+  const double decay = step == 0 ? 0 : std::min(o.average_decay, (1 + done) / (10 + done));
   for (std::size_t i = 0; i < entries.size(); ++i) {
     torch::Tensor& p = *entries[i].slot;
     if (p.grad().defined()) {

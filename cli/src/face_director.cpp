@@ -118,6 +118,21 @@ Status check_words(const FaceWords& face, const ModelFile& model) {
   return Done{};
 }
 
+Result<SamplerOptions> sampler_options(const DirectionWords& words, const FaceWords& face,
+                                       SamplerOptions options) {
+  if (face.has_sampler) {
+    const auto sampler = parse_sampler(words.sampler);
+    if (!sampler)
+      return Error{Errc::usage, "--sampler '" + words.sampler + "'", "is not known",
+                   "Known: dpm++, ddim, ddpm"};
+    options.kind = *sampler;
+  }
+  if (face.eta != 0 && options.kind != SamplerKind::ddim)
+    return Error{Errc::usage, "--eta", "is of the sampler ddim", "Add --sampler ddim, or leave it out"};
+  options.eta = face.eta;
+  return options;
+}
+
 Result<FaceOptions> face_options(const DirectionWords& words, const FaceWords& face, const ModelFile& model) {
   FaceOptions options = published_options(model);
   // Another choice of steps than the authors' begins with all of them.
@@ -125,16 +140,7 @@ Result<FaceOptions> face_options(const DirectionWords& words, const FaceWords& f
   options.style = words.style.empty() ? face.subject : words.style;
   options.neutral = face.neutral.empty() ? face.subject : face.neutral;
   options.emotion = words.emotion;
-  if (face.has_sampler) {
-    const auto sampler = parse_sampler(words.sampler);
-    if (!sampler)
-      return Error{Errc::usage, "--sampler '" + words.sampler + "'", "is not known",
-                   "Known: dpm++, ddim, ddpm"};
-    options.sampler.kind = *sampler;
-  }
-  if (face.eta != 0 && options.sampler.kind != SamplerKind::ddim)
-    return Error{Errc::usage, "--eta", "is of the sampler ddim", "Add --sampler ddim, or leave it out"};
-  options.sampler.eta = face.eta;
+  MIEN_TRY(options.sampler, sampler_options(words, face, options.sampler));
   if (face.has_steps && !face.respacing.empty())
     return Error{Errc::usage, "--steps", "and --respacing both choose the steps", "Leave one of them out"};
   options.respacing = face.has_steps ? std::to_string(words.steps) : face.respacing;

@@ -37,6 +37,11 @@ Result<EncoderPrecision> encoder_precision(const FaceWords& face);
 /// Errors (Errc::usage): a word that means nothing to this model.
 Status check_words(const FaceWords& face, const ModelFile& model);
 
+/// --sampler and --eta on top of a system's own. Errors (Errc::usage): an unknown sampler, --eta without
+/// ddim.
+Result<SamplerOptions> sampler_options(const DirectionWords& words, const FaceWords& face,
+                                       SamplerOptions options);
+
 /// --subject stands for both --style and --template. --steps M is a process of M steps spread evenly; without
 /// it the walk is that of published_options(). Errors (Errc::usage): an unknown sampler, words that exclude
 /// each other.

@@ -75,14 +75,7 @@ Result<SaidOptions> said_options(const DirectionWords& words, const FaceWords& f
   if (const std::string word = others.used(); !word.empty()) return unfit(word);
   SaidOptions options;
   auto& sampling = options.sampling;
-  const auto sampler = parse_sampler(face.has_sampler ? words.sampler : "ddim");
-  if (!sampler)
-    return Error{Errc::usage, "--sampler '" + words.sampler + "'", "is not known",
-                 "Known: ddim, ddpm, dpm++"};
-  sampling.sampler.kind = *sampler;
-  if (face.eta != 0 && *sampler != SamplerKind::ddim)
-    return Error{Errc::usage, "--eta", "is of the sampler ddim", "Add --sampler ddim, or leave it out"};
-  sampling.sampler.eta = face.eta;
+  MIEN_TRY(sampling.sampler, sampler_options(words, face, sampling.sampler));
   sampling.num_steps = face.has_steps ? words.steps : trained_steps;
   sampling.guidance.scale = said.guidance.value_or(sampling.guidance.scale);
   sampling.guidance.rescale = said.rescale.value_or(0.0);

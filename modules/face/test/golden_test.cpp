@@ -31,7 +31,7 @@ Image picture(const StandardPose& pose) {
   Poser(head, pose.shapes).pose(std::vector<float>(pose.shapes.size(), 1.0f), posed);
   Scene scene;
   for (std::size_t p = 0; p < posed.size(); ++p) {
-    Surface surface;
+    SceneSurface surface;
     surface.positions = posed[p].positions;
     surface.normals = posed[p].normals;
     surface.triangles = head.parts[p].mesh.triangles;

@@ -9,6 +9,7 @@
 #include <set>
 
 #include "mien/train/optimiser.h"
+#include "small_encoder_config.h"
 
 namespace mien::train {
 namespace {
@@ -16,17 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 constexpr std::int64_t kWidth = 6, kSubjects = 2;
 
-EncoderConfig small_encoder() {
-  EncoderConfig c;
-  c.hidden_size = 16;
-  c.num_hidden_layers = 3;
-  c.num_attention_heads = 2;
-  c.intermediate_size = 24;
-  c.conv_dim.assign(7, 8);
-  c.num_conv_pos_embeddings = 8;
-  c.num_conv_pos_embedding_groups = 4;
-  return c;
-}
+EncoderConfig small_encoder() { return small_encoder_config(3); }
 
 FaceNetwork network_with(FaceNetwork::Head head) {
   FaceNetwork network{SpeechEncoder<torch::Tensor>(small_encoder()), std::move(head), 25};

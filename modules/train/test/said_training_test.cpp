@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "mien/train/optimiser.h"
+#include "small_encoder_config.h"
 
 namespace mien::train {
 namespace {
@@ -15,17 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 constexpr std::int64_t kWidth = 4;
 
-EncoderConfig small_encoder() {
-  EncoderConfig c;
-  c.hidden_size = 16;
-  c.num_hidden_layers = 2;
-  c.num_attention_heads = 2;
-  c.intermediate_size = 24;
-  c.conv_dim.assign(7, 8);
-  c.num_conv_pos_embeddings = 8;
-  c.num_conv_pos_embedding_groups = 4;
-  return c;
-}
+EncoderConfig small_encoder() { return small_encoder_config(2); }
 
 said::Sizes small_sizes() {
   said::Sizes s;

@@ -10,6 +10,7 @@
 #include "mien/models/model_file.h"
 #include "mien/models/speech_encoder/network.h"
 #include "mien/nn/plain_weights.h"
+#include "small_encoder_config.h"
 
 namespace mien {
 namespace {
@@ -32,17 +33,7 @@ struct ListShapes : ParameterVisitor<ListShapes> {
 
 }  // namespace
 
-EncoderConfig small_encoder() {
-  EncoderConfig c;
-  c.hidden_size = 16;
-  c.num_hidden_layers = 3;
-  c.num_attention_heads = 2;
-  c.intermediate_size = 24;
-  c.conv_dim.assign(7, 8);
-  c.num_conv_pos_embeddings = 8;
-  c.num_conv_pos_embedding_groups = 4;
-  return c;
-}
+EncoderConfig small_encoder() { return small_encoder_config(3); }
 
 void write_encoder(const fs::path& path) {
   SpeechEncoder<PlainWeights> encoder(small_encoder());

@@ -8,6 +8,7 @@
 #include "encoder_weights.h"
 #include "mien/core/topology.h"
 #include "mien/io/min_max_scaler.h"
+#include "mien/models/said/said_model.h"
 #include "probtalk3d_description.h"
 #include "side_files.h"
 #include "system_subjects.h"
@@ -18,7 +19,6 @@ namespace {
 
 namespace fs = std::filesystem;
 constexpr float kMostHalf = 65504;
-constexpr double kSaidFps = 60;
 // Feature extractors normalised with 1e-5 up to version 4.10 of the library, which the HuBERT systems pinned,
 // and with 1e-7 from 4.11 on, which SAiD used for wav2vec 2.0.
 constexpr double kOldNormaliseEps = 1e-5, kNewNormaliseEps = 1e-7;

@@ -27,10 +27,11 @@ Tensor one_hot(std::int64_t index, std::int64_t width, torch::Device device) {
   return row.to(device);
 }
 
-bool needs_no_gradient(SpeechEncoder<Tensor>& encoder) {
+// Whether the parameters whose names begin so are all frozen; "": all of the encoder's.
+bool is_frozen(SpeechEncoder<Tensor>& encoder, std::string_view beginning) {
   const auto entries = parameters(encoder);
-  return std::none_of(entries.begin(), entries.end(), [](const Collect::Entry& e) {
-    return e.name.starts_with("feature_") && e.slot->requires_grad();
+  return std::none_of(entries.begin(), entries.end(), [&](const Collect::Entry& e) {
+    return e.name.starts_with(beginning) && e.slot->requires_grad();
   });
 }
 
@@ -61,15 +62,11 @@ FaceStage::FaceStage(FaceNetwork& network, FaceSequences sequences, const FaceTr
       sequences_(std::move(sequences)),
       options_(options),
       process_(betas_of(options.schedule, options.diffusion_steps)),
-      front_is_frozen_(needs_no_gradient(network.encoder)) {}
+      front_is_frozen_(is_frozen(network.encoder, "feature_")),
+      encoder_is_frozen_(is_frozen(network.encoder, "")) {}
 
-Tensor FaceStage::projected(const FaceSequence& sequence) {
-  const auto compute = [&] {
-    const auto length = static_cast<std::int64_t>(sequence.waveform.size());
-    return network_.encoder.project(
-        network_.encoder.extract(as_tensor(sequence.waveform, {1, length, 1}).to(options_.device)));
-  };
-  if (!front_is_frozen_ || !options_.cache_features) return compute();
+template <class Compute>
+Tensor FaceStage::kept(const FaceSequence& sequence, Compute&& compute) {
   Tensor& kept = features_[sequence.name];
   if (!kept.defined()) {
     const torch::NoGradGuard no_grad;
@@ -78,9 +75,27 @@ Tensor FaceStage::projected(const FaceSequence& sequence) {
   return kept;
 }
 
-Tensor FaceStage::encode(const Tensor& projected, Rng* random) const {
-  if (random == nullptr) return network_.encoder.transform(projected);
-  return transform_at_random(network_.encoder, projected, {},
+Tensor FaceStage::projected(const FaceSequence& sequence) {
+  const auto compute = [&] {
+    const auto length = static_cast<std::int64_t>(sequence.waveform.size());
+    return network_.encoder.project(
+        network_.encoder.extract(as_tensor(sequence.waveform, {1, length, 1}).to(options_.device)));
+  };
+  // Where nothing is random behind it, encode() keeps what the whole encoder makes instead.
+  if (!front_is_frozen_ || !options_.cache_features || hears_the_same()) return compute();
+  return kept(sequence, compute);
+}
+
+bool FaceStage::hears_the_same() const {
+  return encoder_is_frozen_ && options_.cache_features && !options_.encoder_dropout && !options_.layer_drop &&
+         !options_.spec_augment;
+}
+
+Tensor FaceStage::encode(const FaceSequence& sequence, Rng* random) {
+  if (hears_the_same())
+    return kept(sequence, [&] { return network_.encoder.transform(projected(sequence)); });
+  if (random == nullptr) return network_.encoder.transform(projected(sequence));
+  return transform_at_random(network_.encoder, projected(sequence), {},
                              {options_.encoder_dropout, options_.layer_drop, options_.spec_augment}, *random);
 }
 
@@ -151,7 +166,7 @@ Result<FaceStage::Estimate> FaceStage::estimate(const FaceSequence& sequence, co
                                                 Rng* random) {
   MIEN_TRY(const Alignment alignment, align(sequence));
   Estimate result;
-  result.speech = aligned(encode(projected(sequence), random), alignment);
+  result.speech = aligned(encode(sequence, random), alignment);
   if (random != nullptr) result.speech = masked(result.speech, *random);
   result.target =
       motion_of(sequence, network_.num_channels(), options_.device).narrow(1, 0, alignment.num_frames);

@@ -204,6 +204,17 @@ TEST_F(FaceTraining, KeptFeaturesGiveTheSameLosses) {
   EXPECT_EQ(losses(again, options, 8, 0, "again"), want);
 }
 
+// An encoder that is frozen and not random is heard once.
+TEST_F(FaceTraining, KeptOutputOfTheEncoderGivesTheSameLosses) {
+  FaceTrainingOptions options = without_randomness();
+  options.diffusion_steps = 20;
+  options.decoder_dropout = 0.3;
+  FaceNetwork kept = vertex_diffusion(), again = vertex_diffusion();
+  const auto want = losses(kept, options, 8, 0, "kept", {"audio_encoder"});
+  options.cache_features = false;
+  EXPECT_EQ(losses(again, options, 8, 0, "again", {"audio_encoder"}), want);
+}
+
 TEST_F(FaceTraining, FrozenParametersStayAndTheOthersMove) {
   FaceNetwork network = regression();
   std::map<std::string, torch::Tensor> before;

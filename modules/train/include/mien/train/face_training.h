@@ -44,7 +44,8 @@ struct FaceTrainingOptions {
   AudioMask mask = AudioMask::none;
   double mask_share = 0.25;
   /// Keep what the encoder's front makes of each clip, when the front is frozen: nothing random comes before
-  /// it, so the losses are the same. [A, 768] float32 for every clip, 150 kB a second.
+  /// it, so the losses are the same. [A, 768] float32 for every clip, 150 kB a second. The whole encoder's
+  /// output instead where all of it is frozen and none of its randomness on.
   bool cache_features = true;
 };
 
@@ -83,7 +84,10 @@ class FaceStage {
 
  private:
   [[nodiscard]] torch::Tensor projected(const FaceSequence& sequence);
-  [[nodiscard]] torch::Tensor encode(const torch::Tensor& projected, Rng* random) const;
+  [[nodiscard]] torch::Tensor encode(const FaceSequence& sequence, Rng* random);
+  [[nodiscard]] bool hears_the_same() const;  ///< the encoder's output of a clip is the same at every step
+  template <class Compute>
+  torch::Tensor kept(const FaceSequence& sequence, Compute&& compute);
   [[nodiscard]] torch::Tensor masked(const torch::Tensor& speech, Rng& random) const;
   [[nodiscard]] torch::Tensor predict(const FaceSequence& sequence, const torch::Tensor& speech,
                                       const Noisy& noisy, const DecoderPass<torch::Tensor>& pass) const;
@@ -94,8 +98,8 @@ class FaceStage {
   FaceSequences sequences_;
   FaceTrainingOptions options_;
   DiffusionProcess process_;
-  bool front_is_frozen_;
-  std::map<std::string, torch::Tensor> features_;  // of the frozen front, by sequence
+  bool front_is_frozen_, encoder_is_frozen_;
+  std::map<std::string, torch::Tensor> features_;  // of what is frozen, by sequence
   std::int64_t epoch_ = -1;
   std::vector<std::size_t> order_;  // of the epoch
 };

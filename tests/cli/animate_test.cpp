@@ -3,6 +3,7 @@
 #include "mien/io/motion_file.h"
 #include "mien/render/png.h"
 #include "program.h"
+#include "test_paths.h"
 
 namespace mien {
 namespace {
@@ -128,9 +129,7 @@ TEST_F(ProgramTest, QuietSaysNothing) {
 TEST_F(ProgramTest, ModelAndHeadAreFoundInTheShareFolder) {
   std::filesystem::create_directory(in_folder("share"));
   std::filesystem::copy(in_folder("small.safetensors"), in_folder("share") / "default.safetensors");
-  std::filesystem::copy(
-      std::filesystem::path(MIEN_PROGRAM).parent_path().parent_path() / "share/mien/head.glb",
-      in_folder("share") / "head.glb");
+  std::filesystem::copy(built_path("share/mien/head.glb"), in_folder("share") / "head.glb");
   EXPECT_EQ(mien({"animate", "speech.wav"}, "export MIEN_SHARE=share;").exit_code, 0);
   std::filesystem::remove(in_folder("share") / "head.glb");
   const auto run = mien({"animate", "speech.wav"}, "export MIEN_SHARE=share;");

@@ -6,6 +6,7 @@
 
 #include "program.h"
 #include "running_program.h"
+#include "test_paths.h"
 
 namespace mien {
 namespace {
@@ -183,7 +184,7 @@ TEST_F(BadInput, AnInterruptEndsCleanly) {
   for (const char* sign : {R"("type":"start")", R"("type":"progress")"}) {
     for (const int signal : {SIGINT, SIGTERM}) {
       SCOPED_TRACE(sign);
-      RunningProgram run(MIEN_PROGRAM,
+      RunningProgram run(built_path("bin/mien").string(),
                          {"animate", "long.wav", "--model", "small.safetensors", "--steps", "1000", "--json",
                           "-o", "out.csv"},
                          in_folder(""));

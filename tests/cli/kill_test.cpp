@@ -8,6 +8,7 @@
 
 #include "program.h"
 #include "running_program.h"
+#include "test_paths.h"
 
 namespace mien {
 namespace {
@@ -20,7 +21,7 @@ class Kill : public ProgramTest {
     std::vector<std::string> words = {"animate", "long.wav", "--model", "small.safetensors",
                                       "--steps", steps,      "--json"};
     for (const auto& output : outputs) words.insert(words.end(), {"-o", output});
-    RunningProgram run(MIEN_PROGRAM, words, in_folder(""));
+    RunningProgram run(built_path("bin/mien").string(), words, in_folder(""));
     ASSERT_TRUE(run.says(R"("type":"progress","stage":")" + stage + '"')) << run.err();
     run.send(SIGKILL);
     ASSERT_EQ(run.wait(), 128 + SIGKILL) << run.err();

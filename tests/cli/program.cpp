@@ -11,6 +11,7 @@
 
 #include "mien/base/file.h"
 #include "small_model.h"
+#include "test_paths.h"
 
 namespace mien {
 namespace {
@@ -53,7 +54,7 @@ ProgramTest::~ProgramTest() {
 }
 
 Outcome ProgramTest::mien(const std::vector<std::string>& arguments, const std::string& prelude) const {
-  std::string line = prelude + " " + shell_word(MIEN_PROGRAM);
+  std::string line = prelude + " " + shell_word(built_path("bin/mien").string());
   for (const auto& argument : arguments) line += " " + shell_word(argument);
   return shell(line);
 }

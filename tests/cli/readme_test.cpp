@@ -8,6 +8,7 @@
 #include "mien/base/progress.h"
 #include "mien/io/motion_file.h"
 #include "program.h"
+#include "test_paths.h"
 
 mien::Status animate_file(mien::Progress& progress);  // the code block, see CMakeLists.txt
 
@@ -42,7 +43,7 @@ class Readme : public ProgramTest {
  protected:
   // All that the commands expect to find.
   void SetUp() override {
-    const fs::path built = fs::path(MIEN_PROGRAM).parent_path().parent_path() / "share/mien";
+    const fs::path built = built_path("share/mien");
     fs::create_directories(in_folder("FOLDER/labels"));
     fs::create_directory(in_folder("share"));
     fs::copy(built / "head.glb", in_folder("share/head.glb"));
@@ -62,9 +63,9 @@ class Readme : public ProgramTest {
 };
 
 TEST_F(Readme, CommandsRun) {
-  const auto text = read_file(MIEN_README);
+  const auto text = read_file(project_path("README.md"));
   ASSERT_TRUE(text) << text.error().message();
-  const std::string path = fs::path(MIEN_PROGRAM).parent_path().string();
+  const std::string path = built_path("bin").string();
   int num_run = 0;
   for (const auto& line : command_lines(std::string(as_text(*text)))) {
     SCOPED_TRACE(line);

@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 
 #include "program.h"
+#include "test_paths.h"
 
 namespace mien {
 namespace {
@@ -98,7 +99,7 @@ TEST_F(ProgramTest, WrongUsageIsNamed) {
 
 TEST_F(ProgramTest, ProgramsThatWereNotBuiltAreNamedWithTheirOption) {
   // A copy of the program in a folder of its own has no companions.
-  std::filesystem::copy(MIEN_PROGRAM, in_folder("mien"));
+  std::filesystem::copy(built_path("bin/mien"), in_folder("mien"));
   for (const auto& [command, option] :
        {std::pair{"train", "MIEN_TRAIN"}, {"corpus", "MIEN_CORPUS_BUILDER"}, {"bench", "MIEN_BENCH"}}) {
     const auto run = mien({}, "./mien " + std::string(command) + " 2>&1; echo \"code $?\"; false &&");
@@ -107,7 +108,7 @@ TEST_F(ProgramTest, ProgramsThatWereNotBuiltAreNamedWithTheirOption) {
 }
 
 TEST_F(ProgramTest, CompanionsGetTheArguments) {
-  std::filesystem::copy(MIEN_PROGRAM, in_folder("mien"));
+  std::filesystem::copy(built_path("bin/mien"), in_folder("mien"));
   write("mien-train", "#!/bin/sh\necho \"trained: $*\"\nexit 5\n");
   const auto run =
       mien({}, "chmod +x mien-train; ./mien train a.toml --device cuda; echo \"code $?\"; false &&");

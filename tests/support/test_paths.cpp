@@ -13,4 +13,8 @@ std::filesystem::path project_path(std::string_view name) {
   return std::filesystem::path(MIEN_PROJECT_DIR) / name;
 }
 
+std::filesystem::path built_path(std::string_view name) {
+  return std::filesystem::read_symlink("/proc/self/exe").parent_path().parent_path() / name;
+}
+
 }  // namespace mien

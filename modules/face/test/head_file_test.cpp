@@ -11,6 +11,7 @@
 #include "mien/base/file.h"
 #include "mien/face/pose.h"
 #include "mien/io/gltf_reader.h"
+#include "test_paths.h"
 
 namespace mien {
 namespace {
@@ -24,7 +25,7 @@ struct Glb {
 
 // Splits the container, checking its framing.
 Glb open_head() {
-  const auto file = read_file(MIEN_HEAD_GLB);
+  const auto file = read_file(built_path("share/mien/head.glb"));
   EXPECT_TRUE(file) << "build the target mien_head_file";
   const Bytes& bytes = *file;
   const auto word = [&](std::size_t offset) { return *read_le<std::uint32_t>(bytes, offset); };
@@ -172,7 +173,7 @@ TEST(HeadFile, FaceHasAll52TargetsInEveryPrimitive) {
 }
 
 TEST(HeadFile, ReadsBackAsTheHeadItWasMadeFrom) {
-  const auto read = read_glb(std::filesystem::path(MIEN_HEAD_GLB));
+  const auto read = read_glb(built_path("share/mien/head.glb"));
   ASSERT_TRUE(read) << read.error().message();
   const Character& made = test::built_head().character;
   ASSERT_EQ(read->parts.size(), made.parts.size());
@@ -204,7 +205,7 @@ TEST(HeadFile, HeadNodeTurnsAboutTheNeck) {
 }
 
 TEST(HeadFile, TablesNameTheVerticesOfTheSkin) {
-  const auto text = read_file(MIEN_HEAD_TABLES);
+  const auto text = read_file(built_path("share/mien/head.json"));
   ASSERT_TRUE(text);
   const Json tables = Json::parse(as_text(*text));
   EXPECT_EQ(tables["mirror"].get<std::vector<std::uint32_t>>(), test::built_head().mirror);

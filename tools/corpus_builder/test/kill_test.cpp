@@ -9,6 +9,7 @@
 #include "mien/base/file.h"
 #include "running_program.h"
 #include "test_folder.h"
+#include "test_paths.h"
 
 namespace mien {
 namespace {
@@ -21,7 +22,7 @@ class CorpusKill : public testing::Test {
     if (find_engine(EngineId::flite) == nullptr) GTEST_SKIP() << "flite is absent";
   }
   [[nodiscard]] RunningProgram start(const std::vector<std::string>& words) const {
-    return {MIEN_CORPUS_PROGRAM, words, folder_.path()};
+    return {built_path("bin/mien-corpus").string(), words, folder_.path()};
   }
   // Runs, and kills as soon as `begun` says so.
   void kill_when(const std::vector<std::string>& words, const std::function<bool()>& begun) const {

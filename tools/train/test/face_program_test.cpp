@@ -16,6 +16,7 @@
 #include "running_program.h"
 #include "small_encoder.h"
 #include "test_folder.h"
+#include "test_paths.h"
 
 namespace mien {
 namespace {
@@ -55,7 +56,7 @@ class FaceProgram : public testing::Test {
   /// Exit code of mien-train in the folder; said_ is what it said.
   int train(std::vector<std::string> arguments) {
     arguments.push_back("--quiet");
-    RunningProgram program(MIEN_TRAIN_PROGRAM, arguments, folder_);
+    RunningProgram program(built_path("bin/mien-train").string(), arguments, folder_);
     const int code = program.wait();
     said_ = program.err();
     return code;

@@ -10,6 +10,7 @@
 #include "small_encoder.h"
 #include "small_set.h"
 #include "test_folder.h"
+#include "test_paths.h"
 
 namespace mien::train {
 namespace {
@@ -99,7 +100,7 @@ class Training : public testing::Test {
     return run;
   }
   static std::unique_ptr<RunningProgram> start(const fs::path& run) {
-    return std::make_unique<RunningProgram>(MIEN_TRAIN_PROGRAM,
+    return std::make_unique<RunningProgram>(built_path("bin/mien-train").string(),
                                             std::vector<std::string>{"config.toml", "--quiet"}, run);
   }
   static std::string log_of(const fs::path& run) { return text_of(run / "work/log.tsv"); }

@@ -9,6 +9,7 @@
 #include "running_program.h"
 #include "small_encoder.h"
 #include "test_folder.h"
+#include "test_paths.h"
 
 namespace mien {
 namespace {
@@ -37,7 +38,7 @@ class SaidVaeProgram : public testing::Test {
     ASSERT_TRUE(write_file(folder_ / "config.toml", std::string_view(text)));
   }
   int train(const std::vector<std::string>& arguments) {
-    RunningProgram program(MIEN_TRAIN_PROGRAM, arguments, folder_);
+    RunningProgram program(built_path("bin/mien-train").string(), arguments, folder_);
     const int code = program.wait();
     said_ = program.err();
     return code;

@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 
+#include "corpus_data.h"
 #include "facts.h"
 #include "mien/base/number_text.h"
 #include "mien/console/console_exit.h"
@@ -84,14 +85,23 @@ Status run_check(const DataArguments& a, ConsoleProgress& progress) {
   return Done{};
 }
 
+Result<PrepareReport> prepared(const DataArguments& a, DatasetKind kind, Progress& progress) {
+  if (!is_corpus_folder(a.folder))
+    return prepare_dataset(
+        kind, a.folder, a.output,
+        {.templates = a.templates, .mesh = a.mesh, .drop_vertices = a.drop_vertices, .scaler = a.scaler},
+        progress);
+  if (kind != DatasetKind::beat)
+    return Error{Errc::usage, "--layout '" + a.layout + "'",
+                 "is no layout that a synthetic corpus can be brought into", "Choose beat"};
+  return prepare_corpus(a.folder, a.output, progress);
+}
+
 Status run_prepare(const DataArguments& a, ConsoleProgress& progress) {
   MIEN_TRY(const auto kind, chosen_layout(a));
   progress.event("start", "\"command\":\"data prepare\",\"input\":" + json_string(a.folder) +
                               ",\"outputs\":[" + json_string(a.output) + "]");
-  const auto report = prepare_dataset(
-      *kind, a.folder, a.output,
-      {.templates = a.templates, .mesh = a.mesh, .drop_vertices = a.drop_vertices, .scaler = a.scaler},
-      progress);
+  const auto report = prepared(a, *kind, progress);
   if (!report) return report.error();
   for (const auto& warning : report.warnings) progress.warn(warning);
   const std::string sequences = std::to_string(report->num_sequences),
@@ -125,7 +135,11 @@ void add_data_command(CLI::App& program, Chosen& chosen) {
 
   auto* prepare = command->add_subcommand("prepare", "Bring recordings into the form that training reads");
   auto p = std::make_shared<DataArguments>();
-  prepare->add_option("RAW", p->folder, "Folder of the recordings as their makers deliver them")->required();
+  prepare
+      ->add_option(
+          "RAW", p->folder,
+          "Folder of the recordings as their makers deliver them, or a synthetic corpus (--layout beat)")
+      ->required();
   prepare->add_option("--layout", p->layout, layouts)->required();
   prepare->add_option("-o,--output", p->output, "Folder to write")->required();
   prepare->add_option(
@@ -140,7 +154,8 @@ void add_data_command(CLI::App& program, Chosen& chosen) {
   add_footer(
       *prepare,
       "  mien data prepare BIWI/raw --layout biwi-expressive --templates templates_orig.pkl -o data/BIWI\n"
-      "  mien data prepare VOCASET/trainingdata --layout vocaset -o data/vocaset\n");
+      "  mien data prepare VOCASET/trainingdata --layout vocaset -o data/vocaset\n"
+      "  mien data prepare corpus --layout beat -o data/BEAT-synthetic\n");
   prepare->callback(
       [p, &chosen] { chosen.work = [p](ConsoleProgress& progress) { return run_prepare(*p, progress); }; });
 }

@@ -4,13 +4,17 @@
 #include <cmath>
 
 #include "mien/base/file.h"
+#include "mien/core/arkit.h"
+#include "mien/corpus/corpus_reader.h"
 #include "mien/io/character_file.h"
+#include "mien/io/mapped_file.h"
 #include "mien/io/mesh_file.h"
 #include "mien/io/motion_file.h"
 #include "mien/io/npy.h"
 #include "mien/io/vl.h"
 #include "mien/render/png.h"
 #include "program.h"
+#include "test_paths.h"
 
 namespace mien {
 namespace {
@@ -184,6 +188,38 @@ TEST_F(SequenceTest, DataCheckTellsProblemsByItsExitCode) {
   EXPECT_EQ(mien({"data", "check", "BEAT", "--layout", "beta"}).exit_code, 2);
   EXPECT_EQ(mien({"data", "prepare", "BEAT", "--layout", "vocaset", "-o", "out"}).exit_code, 3);
   EXPECT_EQ(mien({"data", "prepare", "BEAT", "--layout", "multiface", "-o", "out"}).exit_code, 2);
+}
+
+// Names, rate and columns are those of BEAT. The third item is the first neutral one of its speaker.
+TEST_F(SequenceTest, ACorpusBecomesADataSet) {
+  const auto corpus = project_path("tests/data/corpus_fixture");
+  const auto run =
+      mien({"data", "prepare", corpus.string(), "--layout", "beat", "-o", "synthetic", "--json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.err, HasSubstr("\"sequences\":12"));
+  const auto facts =
+      nlohmann::json::parse(mien({"data", "check", "synthetic", "--read-values", "--json"}).out);
+  EXPECT_EQ(facts["layout"], "beat");
+  EXPECT_EQ(facts["sequences"], 12);
+  EXPECT_TRUE(facts["problems"].empty());
+  EXPECT_EQ(facts["oddities"].size(), 1) << facts["oddities"];  // too few items for other splits
+  const auto reader = CorpusReader::open(corpus);
+  ASSERT_TRUE(reader.has_value());
+  const CorpusItem& item = reader->items()[2];
+  const auto takes = reader->takes(item, 1);
+  ASSERT_TRUE(takes.has_value());
+  const Motion& truth = takes->takes.front();
+  const auto file = MappedFile::open(in_folder("synthetic") / "vertices_npy" / (item.speaker + "_0_1.npy"));
+  ASSERT_TRUE(file.has_value());
+  const auto array = read_npy(file->bytes());
+  ASSERT_TRUE(array.has_value());
+  const auto names = arkit_order(ArkitOrder::beat);
+  ASSERT_EQ(array->shape, (std::vector<std::int64_t>{(item.num_frames + 1) / 2, std::ssize(names)}));
+  const auto jaw = static_cast<std::size_t>(std::ranges::find(names, "jawOpen") - names.begin());
+  for (const std::size_t n : {0u, 40u, 100u})
+    EXPECT_EQ(array->values[n * names.size() + jaw],
+              truth.values[2 * n * truth.num_channels() + arkit_index("jawOpen")]);
+  EXPECT_EQ(mien({"data", "prepare", corpus.string(), "--layout", "vocaset", "-o", "out"}).exit_code, 2);
 }
 
 // Takes around the truth: none is right, their mean is.

@@ -6,7 +6,7 @@
 #include "mien/audio/load_audio.h"
 #include "mien/base/file.h"
 #include "mien/base/number_text.h"
-#include "prepared_files.h"
+#include "mien/datasets/prepared_files.h"
 #include "preparers.h"
 
 namespace mien::datasets {

@@ -4,11 +4,11 @@
 
 #include "mien/base/file.h"
 #include "mien/base/number_text.h"
+#include "mien/datasets/prepared_files.h"
 #include "mien/datasets/scaling.h"
 #include "mien/datasets/templates.h"
 #include "mien/io/mesh_file.h"
 #include "mien/io/vl.h"
-#include "prepared_files.h"
 #include "preparers.h"
 
 namespace mien::datasets {

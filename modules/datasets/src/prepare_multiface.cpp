@@ -5,10 +5,10 @@
 #include "mien/audio/load_audio.h"
 #include "mien/base/file.h"
 #include "mien/base/number_text.h"
+#include "mien/datasets/prepared_files.h"
 #include "mien/datasets/scaling.h"
 #include "mien/datasets/templates.h"
 #include "mien/io/mesh_file.h"
-#include "prepared_files.h"
 #include "preparers.h"
 
 namespace mien::datasets {

@@ -5,10 +5,10 @@
 #include <optional>
 
 #include "mien/audio/load_audio.h"
+#include "mien/datasets/prepared_files.h"
 #include "mien/io/mapped_file.h"
 #include "mien/io/min_max_scaler.h"
 #include "mien/io/safetensors.h"
-#include "prepared_files.h"
 #include "preparers.h"
 
 namespace mien::datasets {

@@ -2,10 +2,10 @@
 #include <cstring>
 #include <map>
 
+#include "mien/datasets/prepared_files.h"
 #include "mien/datasets/templates.h"
 #include "mien/io/mapped_file.h"
 #include "mien/io/pickle.h"
-#include "prepared_files.h"
 #include "preparers.h"
 
 namespace mien::datasets {

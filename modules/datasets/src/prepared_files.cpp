@@ -1,4 +1,4 @@
-#include "prepared_files.h"
+#include "mien/datasets/prepared_files.h"
 
 #include <array>
 #include <cstdint>

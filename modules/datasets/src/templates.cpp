@@ -3,6 +3,7 @@
 #include <cctype>
 #include <cmath>
 
+#include "mien/io/file_extension.h"
 #include "mien/io/mesh_file.h"
 #include "mien/io/pickle.h"
 #include "mien/io/safetensors.h"
@@ -12,12 +13,6 @@ namespace {
 
 namespace fs = std::filesystem;
 constexpr std::string_view kPrefix = "template.";
-
-std::string lower_extension(const fs::path& path) {
-  std::string extension = path.extension().string();
-  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return extension;
-}
 
 Result<Templates> from_pickle(const fs::path& path) {
   MIEN_TRY(const Pickle pickle, Pickle::open(path));

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "../src/prepared_files.h"
+#include "mien/datasets/prepared_files.h"
 #include "mien/base/file.h"
 #include "mien/base/number_text.h"
 #include "mien/datasets/templates.h"

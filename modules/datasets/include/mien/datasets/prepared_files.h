@@ -10,6 +10,8 @@
 
 namespace mien::datasets {
 
+// The files of a prepared data set, as open_dataset() reads them.
+
 /// The number at the end of the name of a frame's file, "frame_001"; nothing when there is none.
 std::optional<std::int64_t> frame_number(const std::string& stem);
 /// Makes <out>/wav and <out>/vertices_npy. Errors (Errc::failed).

@@ -18,6 +18,9 @@ endfunction()
 # Flags of libraries and programs: the sanitizers too.
 function(mien_target_flags target)
   mien_language_flags(${target})
+  if(CMAKE_UNITY_BUILD AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    target_compile_options(${target} PRIVATE -Wno-subobject-linkage)  # takes a source in a unit for a header
+  endif()
   if(MIEN_SANITIZE STREQUAL "address")
     target_compile_options(${target} PRIVATE -O1 -g1 -UNDEBUG -fsanitize=address,undefined -fno-sanitize-recover=all
                                              -fno-omit-frame-pointer)
@@ -45,7 +48,7 @@ endfunction()
 
 # A test program: its own code need not be fast, but there is much of it, and it compiles in 60 to 80 % of the time.
 # The address sanitizer watches what is tested, not the tests: their objects are then those of the release build, and
-# a compiler cache gives them to both. The thread sanitizer has to see all threads.
+# a compiler cache gives them to both; so they are no unity build either. The thread sanitizer has to see all threads.
 function(mien_test_flags target)
   if(MIEN_SANITIZE STREQUAL "address")
     mien_language_flags(${target})
@@ -53,6 +56,7 @@ function(mien_test_flags target)
     mien_target_flags(${target})
   endif()
   target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
+  set_target_properties(${target} PROPERTIES UNITY_BUILD OFF)
 endfunction()
 
 # The tests of a GoogleTest program as prefix.Suite.Test, each in a process of its own. A process with a sanitizer takes

@@ -6,6 +6,7 @@
 #include <memory>
 #include <set>
 
+#include "metric_row.h"
 #include "mien/audio/load_audio.h"
 #include "mien/base/parallel.h"
 #include "mien/datasets/coefficient_folder.h"
@@ -73,10 +74,6 @@ Result<Speech> read_speech(const CoefficientArguments& a, const Key& key) {
   return Speech{speech_onsets(clip.samples), speech_level_db(clip.samples)};
 }
 
-MetricRow row(std::string name, double value, std::string definition, std::string unit = "") {
-  return {std::move(name), std::move(unit), std::move(definition), "", 6, {{value, std::nullopt}}};
-}
-
 /// Figures that need the speech.
 struct SpeechFigures {
   std::vector<BeatSequence> beats;
@@ -92,22 +89,22 @@ struct SpeechFigures {
     return Done{};
   }
   void report(MetricTable& table) const {
-    table.rows.push_back(row(
+    table.rows.push_back(metric_row(
         "beat consistency", beat_consistency(beats),
         "mean over sequences of the mean over the speech's onsets of exp(-d^2 / (2 * 0.1^2)), d seconds to "
         "the "
         "nearest instant at which the motion slows down (SAiD's program; onsets by Mien's own detector after "
         "librosa's documentation)"));
     table.rows.push_back(
-        row("lip lag", mean(lags),
-            "mean over sequences of the lag of the largest correlation between lip opening (jawOpen - "
-            "mouthClose) and loudness within half a second, positive = lips late (Mien's own, not "
-            "SyncNet's offset)",
-            "ms"));
+        metric_row("lip lag", mean(lags),
+                   "mean over sequences of the lag of the largest correlation between lip opening (jawOpen - "
+                   "mouthClose) and loudness within half a second, positive = lips late (Mien's own, not "
+                   "SyncNet's offset)",
+                   "ms"));
     table.rows.push_back(
-        row("lip lag confidence", mean(confidences),
-            "mean over sequences of that correlation less the median over all lags (Mien's own, not "
-            "SyncNet's confidence)"));
+        metric_row("lip lag confidence", mean(confidences),
+                   "mean over sequences of that correlation less the median over all lags (Mien's own, not "
+                   "SyncNet's confidence)"));
     if (lags.size() < beats.size())
       table.notes.push_back("no lag: " + std::to_string(beats.size() - lags.size()) +
                             " sequences are shorter than two seconds, silent or still");
@@ -117,21 +114,21 @@ struct SpeechFigures {
 void add_distance_rows(const MotionDistances& d, const CoefficientArguments& a, MetricTable& table) {
   const std::string repeats = std::to_string(a.repeats);
   table.rows.push_back(
-      row("FD", d.fd,
-          "|m1 - m2|^2 + tr S1 + tr S2 - 2 tr (S1 S2)^(1/2), means and covariances (divisor n - 1) of "
-          "the codec's codes of all windows, generated and true (SAiD's program)"));
+      metric_row("FD", d.fd,
+                 "|m1 - m2|^2 + tr S1 + tr S2 - 2 tr (S1 S2)^(1/2), means and covariances (divisor n - 1) of "
+                 "the codec's codes of all windows, generated and true (SAiD's program)"));
   table.rows.push_back(
-      row("WInD", d.wind.mean,
-          "cheapest transport between two mixtures of 5 Gaussians at their squared Wasserstein-2 "
-          "distances, mean over " +
-              repeats + " fits from different starts (SAiD's program)"));
+      metric_row("WInD", d.wind.mean,
+                 "cheapest transport between two mixtures of 5 Gaussians at their squared Wasserstein-2 "
+                 "distances, mean over " +
+                     repeats + " fits from different starts (SAiD's program)"));
   table.rows.push_back(
-      row("WInD deviation", d.wind.deviation, "sample standard deviation over the same fits"));
+      metric_row("WInD deviation", d.wind.deviation, "sample standard deviation over the same fits"));
   table.rows.push_back(
-      row("multimodality", d.multimodality,
-          "mean Euclidean distance of the codes of the i-th of the first and the i-th of the second "
-          "half of the repetitions of a window, repetitions in the order of their names (SAiD's "
-          "program, in the order of the disk; the paper pairs at random)"));
+      metric_row("multimodality", d.multimodality,
+                 "mean Euclidean distance of the codes of the i-th of the first and the i-th of the second "
+                 "half of the repetitions of a window, repetitions in the order of their names (SAiD's "
+                 "program, in the order of the disk; the paper pairs at random)"));
 }
 
 Status evaluate_coefficients(const CoefficientArguments& a, ConsoleProgress& progress) {

@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 
+#include "metric_row.h"
 #include "mien/base/file.h"
 #include "mien/base/parallel.h"
 #include "mien/datasets/dataset.h"
@@ -80,10 +81,6 @@ Result<VertexRegions> read_regions(const std::vector<std::string>& files, std::i
   return regions;
 }
 
-MetricRow row(std::string name, double value, std::string definition) {
-  return {std::move(name), "", std::move(definition), "", 8, {{value, std::nullopt}}};
-}
-
 void tell_unpaired(const PairedSequences& paired, ConsoleProgress& progress) {
   for (const auto& [names, what] : {std::pair{&paired.without_truth, "predicted sequences have no truth"},
                                     {&paired.without_prediction, "true sequences have no prediction"}})
@@ -94,22 +91,25 @@ void tell_unpaired(const PairedSequences& paired, ConsoleProgress& progress) {
 
 // FaceDiffuser specification, section 13.
 void add_facediffuser_rows(const VertexErrors& errors, double diversity, MetricTable& table) {
-  table.rows.push_back(row("MVE", errors.mve(),
-                           "mean Euclidean distance |g - p| over all vertices of all frames of all sequences "
-                           "(FaceDiffuser's program; the thesis says squared)"));
-  table.rows.push_back(row("LVE", errors.lve(),
-                           "mean over all frames of the largest squared distance of a mouth vertex, max |g - "
-                           "p|^2 (FaceDiffuser's and CodeTalker's programs)"));
-  table.rows.push_back(row("FDD", errors.fdd(),
-                           "mean over sequences of: mean over upper-face vertices of std over frames of |g - "
-                           "t|^2, less that of |p - t|^2; t the subject's template, population std, signed "
-                           "(FaceDiffuser's and CodeTalker's programs)"));
   table.rows.push_back(
-      row("ABS FDD", errors.absolute_fdd(), "the same with the absolute value of every sequence"));
+      metric_row("MVE", errors.mve(),
+                 "mean Euclidean distance |g - p| over all vertices of all frames of all sequences "
+                 "(FaceDiffuser's program; the thesis says squared)"));
   table.rows.push_back(
-      row("Diversity", diversity,
-          "mean over sequences of unseen subjects of the mean distance between their predictions in "
-          "different styles, over unordered pairs, frames and vertices (FaceDiffuser's program)"));
+      metric_row("LVE", errors.lve(),
+                 "mean over all frames of the largest squared distance of a mouth vertex, max |g - "
+                 "p|^2 (FaceDiffuser's and CodeTalker's programs)"));
+  table.rows.push_back(
+      metric_row("FDD", errors.fdd(),
+                 "mean over sequences of: mean over upper-face vertices of std over frames of |g - "
+                 "t|^2, less that of |p - t|^2; t the subject's template, population std, signed "
+                 "(FaceDiffuser's and CodeTalker's programs)"));
+  table.rows.push_back(
+      metric_row("ABS FDD", errors.absolute_fdd(), "the same with the absolute value of every sequence"));
+  table.rows.push_back(
+      metric_row("Diversity", diversity,
+                 "mean over sequences of unseen subjects of the mean distance between their predictions in "
+                 "different styles, over unordered pairs, frames and vertices (FaceDiffuser's program)"));
 }
 
 Result<double> diversity_of(const PairedSequences& paired, ConsoleProgress& progress) {
@@ -181,17 +181,18 @@ Status evaluate_vertices(const SequenceArguments& a, ConsoleProgress& progress) 
                             " sequences have no template of their subject (--templates) and no FDD");
   }
   if (facexhubert)
-    table.rows.push_back(row("surface distance",
-                             paired.pairs.empty() ? std::numeric_limits<double>::quiet_NaN()
-                                                  : distance_sum / static_cast<double>(paired.pairs.size()),
-                             "mean over vertices, frames and sequences, in this order, of the distance from "
-                             "the predicted vertex to the true surface (FaceXHuBERT's mean face vertex "
-                             "error; divided by the sequences, not by the files of the folder)"));
+    table.rows.push_back(
+        metric_row("surface distance",
+                   paired.pairs.empty() ? std::numeric_limits<double>::quiet_NaN()
+                                        : distance_sum / static_cast<double>(paired.pairs.size()),
+                   "mean over vertices, frames and sequences, in this order, of the distance from "
+                   "the predicted vertex to the true surface (FaceXHuBERT's mean face vertex "
+                   "error; divided by the sequences, not by the files of the folder)"));
   if (a.per_sequence)
     for (const auto& e : all.sequences()) {
-      table.rows.push_back(row("MVE " + e.name, e.mve, "of this sequence"));
-      table.rows.push_back(row("LVE " + e.name, e.lve, "of this sequence"));
-      table.rows.push_back(row("FDD " + e.name, e.fdd, "of this sequence"));
+      table.rows.push_back(metric_row("MVE " + e.name, e.mve, "of this sequence"));
+      table.rows.push_back(metric_row("LVE " + e.name, e.lve, "of this sequence"));
+      table.rows.push_back(metric_row("FDD " + e.name, e.fdd, "of this sequence"));
     }
   table.title = "Vertices: " + std::to_string(paired.pairs.size()) + " sequences, " +
                 std::to_string(all.num_frames()) + " frames; units of the data";
@@ -223,27 +224,28 @@ Status evaluate_controls(const SequenceArguments& a, ConsoleProgress& progress) 
                     {"value"},
                     {},
                     {}};
-  table.rows.push_back(row("MCE", errors.mce(),
-                           "mean over sequences of the mean over frames of |p - g|, the length over all "
-                           "channels (FaceDiffuser's program)"));
-  table.rows.push_back(row("LCE", errors.lce(),
-                           "the same over the mouth's channels alone, no maximum (FaceDiffuser's program)"));
   table.rows.push_back(
-      row("C-FDD", errors.fdd(),
-          "mean over sequences of: std over frames of the sum of squares of the upper face's channels, truth "
-          "less prediction, population std, signed, no template (FaceDiffuser's program)"));
+      metric_row("MCE", errors.mce(),
+                 "mean over sequences of the mean over frames of |p - g|, the length over all "
+                 "channels (FaceDiffuser's program)"));
+  table.rows.push_back(metric_row(
+      "LCE", errors.lce(), "the same over the mouth's channels alone, no maximum (FaceDiffuser's program)"));
+  table.rows.push_back(metric_row(
+      "C-FDD", errors.fdd(),
+      "mean over sequences of: std over frames of the sum of squares of the upper face's channels, truth "
+      "less prediction, population std, signed, no template (FaceDiffuser's program)"));
   table.rows.push_back(
-      row("ABS C-FDD", errors.absolute_fdd(), "the same with the absolute value of every sequence"));
+      metric_row("ABS C-FDD", errors.absolute_fdd(), "the same with the absolute value of every sequence"));
   if (a.per_sequence)
     for (const auto& e : errors.sequences()) {
-      table.rows.push_back(row("MCE " + e.name, e.mce, "of this sequence"));
-      table.rows.push_back(row("LCE " + e.name, e.lce, "of this sequence"));
-      table.rows.push_back(row("C-FDD " + e.name, e.fdd, "of this sequence"));
+      table.rows.push_back(metric_row("MCE " + e.name, e.mce, "of this sequence"));
+      table.rows.push_back(metric_row("LCE " + e.name, e.lce, "of this sequence"));
+      table.rows.push_back(metric_row("C-FDD " + e.name, e.fdd, "of this sequence"));
     }
   return print(table, a.form, true);
 }
 
-std::shared_ptr<SequenceArguments> add_common(CLI::App& command, Chosen& chosen) {
+std::shared_ptr<SequenceArguments> add_sequence_options(CLI::App& command, Chosen& chosen) {
   auto a = std::make_shared<SequenceArguments>();
   command.add_option("PREDICTED", a->predicted, "Predicted sequence, or a folder of them")->required();
   command.add_option("TRUTH", a->truth, "True sequence, or a folder of them")->required();
@@ -257,7 +259,7 @@ std::shared_ptr<SequenceArguments> add_common(CLI::App& command, Chosen& chosen)
 void add_sequence_evaluations(CLI::App& evaluate, Chosen& chosen) {
   auto* vertices =
       evaluate.add_subcommand("vertices", "MVE, LVE, FDD, diversity and surface distance of meshes");
-  const auto v = add_common(*vertices, chosen);
+  const auto v = add_sequence_options(*vertices, chosen);
   v->system = "facediffuser";
   vertices->add_option("--system", v->system, "Whose measures: facediffuser, facexhubert or both")
       ->check(CLI::IsMember({"facediffuser", "facexhubert", "both"}))
@@ -276,7 +278,7 @@ void add_sequence_evaluations(CLI::App& evaluate, Chosen& chosen) {
              "  mien evaluate vertices result data/BIWI/vertices_npy --regions lve.txt fdd.txt --templates "
              "templates.pkl\n");
   auto* controls = evaluate.add_subcommand("controls", "MCE, LCE and C-FDD of coefficients and rig controls");
-  const auto c = add_common(*controls, chosen);
+  const auto c = add_sequence_options(*controls, chosen);
   c->system = "beat";
   controls->add_option("--system", c->system, "Whose channels and regions: beat or uudamm")
       ->check(CLI::IsMember({"beat", "uudamm"}))

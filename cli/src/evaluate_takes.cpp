@@ -5,6 +5,7 @@
 #include <numeric>
 #include <optional>
 
+#include "metric_row.h"
 #include "mien/base/file.h"
 #include "mien/base/parallel.h"
 #include "mien/base/random.h"
@@ -84,26 +85,22 @@ std::vector<std::size_t> shuffled(std::size_t count, Rng& rng) {
   return order;
 }
 
-MetricRow row(std::string name, double value, std::string definition) {
-  return {std::move(name), "", std::move(definition), "", 8, {{value, std::nullopt}}};
-}
-
 void add_rows(const VertexErrors& first, const TakeErrors& all, MetricTable& table) {
   table.rows.push_back(
-      row("MVE", first.mve(), "mean distance |g - p| over all vertices of all frames, first take"));
+      metric_row("MVE", first.mve(), "mean distance |g - p| over all vertices of all frames, first take"));
   table.rows.push_back(
-      row("LVE", first.lve(),
-          "mean over all frames of the largest squared distance of a mouth vertex, first take"));
+      metric_row("LVE", first.lve(),
+                 "mean over all frames of the largest squared distance of a mouth vertex, first take"));
   table.rows.push_back(
-      row("FDD", first.fdd(),
-          "mean over sequences of: mean over upper-face vertices of std over frames of |g - t|^2, "
-          "less that of |p - t|^2; t the FLAME model at rest, first take, signed"));
-  table.rows.push_back(row("MEE", all.mee(), "LVE of the mean of all takes"));
-  table.rows.push_back(row("CE", all.ce(), "LVE of the take of every sequence that is nearest by it"));
+      metric_row("FDD", first.fdd(),
+                 "mean over sequences of: mean over upper-face vertices of std over frames of |g - t|^2, "
+                 "less that of |p - t|^2; t the FLAME model at rest, first take, signed"));
+  table.rows.push_back(metric_row("MEE", all.mee(), "LVE of the mean of all takes"));
+  table.rows.push_back(metric_row("CE", all.ce(), "LVE of the take of every sequence that is nearest by it"));
   table.rows.push_back(
-      row("Diversity", all.diversity(),
-          "mean over sequences, pairs, frames and vertices of the distance between two takes; takes "
-          "are paired at random, each once"));
+      metric_row("Diversity", all.diversity(),
+                 "mean over sequences, pairs, frames and vertices of the distance between two takes; takes "
+                 "are paired at random, each once"));
 }
 
 Status run(const TakeArguments& a, ConsoleProgress& progress) {
@@ -155,9 +152,9 @@ Status run(const TakeArguments& a, ConsoleProgress& progress) {
   add_rows(*first, *all, table);
   if (a.per_sequence)
     for (const TakeError& e : all->sequences()) {
-      table.rows.push_back(row("MEE " + e.name, e.mee, "of this sequence"));
-      table.rows.push_back(row("CE " + e.name, e.ce, "of this sequence"));
-      table.rows.push_back(row("Diversity " + e.name, e.diversity, "of this sequence"));
+      table.rows.push_back(metric_row("MEE " + e.name, e.mee, "of this sequence"));
+      table.rows.push_back(metric_row("CE " + e.name, e.ce, "of this sequence"));
+      table.rows.push_back(metric_row("Diversity " + e.name, e.diversity, "of this sequence"));
     }
   if (a.mouth.empty() || a.upper.empty())
     table.notes.emplace_back("LVE, MEE and CE need --mouth, FDD needs --upper and --flame");

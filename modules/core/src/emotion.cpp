@@ -8,18 +8,18 @@
 namespace mien {
 namespace {
 
-constexpr std::array<std::string_view, kNumEmotions> kNames = {"neutral", "happy",     "sad",   "surprised",
-                                                               "fear",    "disgusted", "angry", "contempt"};
+constexpr std::array<std::string_view, kNumEmotions> kEmotionNames = {
+    "neutral", "happy", "sad", "surprised", "fear", "disgusted", "angry", "contempt"};
 
 }  // namespace
 
-std::span<const std::string_view, kNumEmotions> emotion_names() { return kNames; }
-std::string_view name_of(Emotion emotion) { return kNames[static_cast<std::size_t>(emotion)]; }
+std::span<const std::string_view, kNumEmotions> emotion_names() { return kEmotionNames; }
+std::string_view name_of(Emotion emotion) { return kEmotionNames[static_cast<std::size_t>(emotion)]; }
 
 std::optional<Emotion> parse_emotion(std::string_view name) {
-  const auto found = std::find(kNames.begin(), kNames.end(), name);
-  if (found == kNames.end()) return std::nullopt;
-  return static_cast<Emotion>(found - kNames.begin());
+  const auto found = std::find(kEmotionNames.begin(), kEmotionNames.end(), name);
+  if (found == kEmotionNames.end()) return std::nullopt;
+  return static_cast<Emotion>(found - kEmotionNames.begin());
 }
 
 float intensity_of_level(int level) {

@@ -15,7 +15,7 @@ struct Quaternion {
   double x, y, z, w;
 };
 
-Quaternion product(Quaternion a, Quaternion b) {
+Quaternion quaternion_product(Quaternion a, Quaternion b) {
   return {a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y, a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x,
           a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w, a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z};
 }
@@ -24,9 +24,9 @@ Quaternion unit_quaternion(const HeadAngles& angles) {
   constexpr double kHalfRadian = std::numbers::pi / 360;
   const double yaw = angles.yaw_deg * kHalfRadian, pitch = -angles.pitch_deg * kHalfRadian;
   const double roll = angles.roll_deg * kHalfRadian;
-  const Quaternion q =
-      product(product({0, std::sin(yaw), 0, std::cos(yaw)}, {std::sin(pitch), 0, 0, std::cos(pitch)}),
-              {0, 0, std::sin(roll), std::cos(roll)});
+  const Quaternion q = quaternion_product(
+      quaternion_product({0, std::sin(yaw), 0, std::cos(yaw)}, {std::sin(pitch), 0, 0, std::cos(pitch)}),
+      {0, 0, std::sin(roll), std::cos(roll)});
   return q.w < 0 ? Quaternion{-q.x, -q.y, -q.z, -q.w} : q;
 }
 

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cctype>
 
+#include "csv_text.h"
 #include "mien/base/file.h"
 #include "mien/core/arkit.h"
+#include "mien/io/file_extension.h"
 #include "mien/io/mesh_file.h"
 #include "shape_names.h"
 
@@ -13,14 +15,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string lower(std::string text) {
-  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return text;
-}
-
 Result<Mesh> read_mesh(const fs::path& path) {
   MIEN_TRY(const Bytes bytes, read_file(path));
-  auto mesh = lower(path.extension().string()) == ".ply" ? read_ply(bytes) : read_obj(as_text(bytes));
+  auto mesh = lower_extension(path) == ".ply" ? read_ply(bytes) : read_obj(as_text(bytes));
   if (!mesh) return within(mesh.error(), "'" + path.string() + "'");
   return mesh;
 }
@@ -44,7 +41,7 @@ Result<Character> read_blendshape_folder(const fs::path& folder) {
   fs::path neutral_file;
   std::error_code problem;
   for (const auto& entry : fs::directory_iterator(folder, problem)) {
-    const std::string extension = lower(entry.path().extension().string());
+    const std::string extension = lower_extension(entry.path());
     if (extension != ".obj" && extension != ".ply") continue;
     if (lower(entry.path().stem().string()) == "neutral")
       neutral_file = entry.path();

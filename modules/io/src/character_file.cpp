@@ -6,18 +6,13 @@
 
 #include "blendshape_folder.h"
 #include "mien/core/arkit.h"
+#include "mien/io/file_extension.h"
 #include "mien/io/gltf_reader.h"
 #include "mien/io/safetensors.h"
 #include "shape_names.h"
 
 namespace mien {
 namespace {
-
-std::string lower_extension(const std::filesystem::path& path) {
-  std::string extension = path.extension().string();
-  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return extension;
-}
 
 Result<double> metres_per_unit(const Metadata& metadata) {
   const auto entry = metadata.find("units");
@@ -147,8 +142,9 @@ Result<Character> load_character(const std::filesystem::path& path) {
   if (extension == ".glb" || extension == ".gltf" || extension == ".vrm") return read_glb(path);
   if (extension != ".safetensors")
     return Error{Errc::incompatible, "character '" + path.string() + "'",
-                 "the extension '" + extension + "' is unknown, expected .glb, .gltf, .vrm, .safetensors or a "
-                 "folder of meshes",
+                 "the extension '" + extension +
+                     "' is unknown, expected .glb, .gltf, .vrm, .safetensors or a "
+                     "folder of meshes",
                  ""};
   auto character = read_safetensors_character(path);
   if (!character) return within(character.error(), "character '" + path.string() + "'");

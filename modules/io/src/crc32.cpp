@@ -5,12 +5,12 @@
 namespace mien {
 namespace {
 
-using Table = std::array<std::uint32_t, 256>;
+using CrcTable = std::array<std::uint32_t, 256>;
 
 // tables[k][b]: effect of byte b that is followed by k zero bytes. Eight bytes at a time make a checkpoint of
 // 400 MB take a quarter of a second instead of one.
-constexpr std::array<Table, 8> make_tables() {
-  std::array<Table, 8> tables{};
+constexpr std::array<CrcTable, 8> make_tables() {
+  std::array<CrcTable, 8> tables{};
   for (std::uint32_t b = 0; b < 256; ++b) {
     std::uint32_t c = b;
     for (int bit = 0; bit < 8; ++bit) c = (c >> 1) ^ ((c & 1u) != 0 ? 0xedb88320u : 0u);

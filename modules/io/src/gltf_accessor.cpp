@@ -3,13 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "gltf_component_type.h"
+
 namespace mien::io {
 namespace {
 
-constexpr std::uint32_t kByte = 5120, kUnsignedByte = 5121, kShort = 5122, kUnsignedShort = 5123,
-                        kUnsignedInt = 5125, kFloat = 5126;
-
-Error bad(std::size_t accessor, std::string why) {
+Error bad_accessor(std::size_t accessor, std::string why) {
   return {Errc::input, "glTF accessor " + std::to_string(accessor), std::move(why), ""};
 }
 
@@ -89,17 +88,18 @@ struct Rows {
 Result<Rows> locate(const GltfDocument& document, std::size_t accessor, const Json& source, std::size_t count,
                     std::size_t row_size, bool may_stride) {
   const auto view = index_member(source, "bufferView");
-  if (!view) return bad(accessor, "names no bufferView");
+  if (!view) return bad_accessor(accessor, "names no bufferView");
   MIEN_TRY(const auto bytes, view_bytes(document, *view));
   const std::size_t offset = index_member(source, "byteOffset").value_or(0);
   const std::size_t stride =
       may_stride ? index_member(document.json["bufferViews"][*view], "byteStride").value_or(row_size)
                  : row_size;
-  if (stride < row_size || stride > 65536) return bad(accessor, "the stride does not hold one element");
-  if (offset > bytes.size()) return bad(accessor, "lies outside its bufferView");
+  if (stride < row_size || stride > 65536)
+    return bad_accessor(accessor, "the stride does not hold one element");
+  if (offset > bytes.size()) return bad_accessor(accessor, "lies outside its bufferView");
   const std::size_t room = bytes.size() - offset;
   if (room < row_size || (room - row_size) / stride < count - 1)
-    return bad(accessor, "lies outside its bufferView");
+    return bad_accessor(accessor, "lies outside its bufferView");
   return Rows{bytes.subspan(offset), stride};
 }
 
@@ -108,13 +108,13 @@ Result<std::vector<std::uint32_t>> read_sparse_indices(const GltfDocument& docum
                                                        std::size_t count) {
   const auto type = static_cast<std::uint32_t>(index_member(indices, "componentType").value_or(0));
   if (type != kUnsignedByte && type != kUnsignedShort && type != kUnsignedInt)
-    return bad(accessor, "its sparse indices are not unsigned integers");
+    return bad_accessor(accessor, "its sparse indices are not unsigned integers");
   MIEN_TRY(const auto rows, locate(document, accessor, indices, sparse_count, component_size(type), false));
   std::vector<std::uint32_t> out(sparse_count);
   for (std::size_t i = 0; i < sparse_count; ++i) {
     out[i] = static_cast<std::uint32_t>(component(rows.row(i), type));
     if (out[i] >= count || (i > 0 && out[i] <= out[i - 1]))
-      return bad(accessor, "its sparse indices do not rise or do not fit");
+      return bad_accessor(accessor, "its sparse indices do not rise or do not fit");
   }
   return out;
 }
@@ -124,11 +124,11 @@ Result<std::vector<T>> read(const GltfDocument& document, std::size_t accessor, 
                             std::size_t expected_count) {
   MIEN_TRY(const AccessorInfo info, accessor_info(document, accessor));
   if (info.components != components)
-    return bad(accessor, "has " + std::to_string(info.components) + " components, expected " +
-                             std::to_string(components));
+    return bad_accessor(accessor, "has " + std::to_string(info.components) + " components, expected " +
+                                      std::to_string(components));
   if (expected_count != 0 && info.count != expected_count)
-    return bad(accessor,
-               "has " + std::to_string(info.count) + " elements, expected " + std::to_string(expected_count));
+    return bad_accessor(accessor, "has " + std::to_string(info.count) + " elements, expected " +
+                                      std::to_string(expected_count));
   const Json& entry = document.json["accessors"][accessor];
   const bool normalised = member(entry, "normalized") == Json(true);
   const double scale = normalised ? full_scale(info.component_type) : 1.0;
@@ -143,7 +143,7 @@ Result<std::vector<T>> read(const GltfDocument& document, std::size_t accessor, 
   };
 
   const bool has_view = index_member(entry, "bufferView").has_value();
-  if (!has_view && expected_count == 0) return bad(accessor, "names no bufferView");
+  if (!has_view && expected_count == 0) return bad_accessor(accessor, "names no bufferView");
   std::vector<T> values;
   if (has_view) {
     MIEN_TRY(const auto rows, locate(document, accessor, entry, info.count, width * size, true));
@@ -155,7 +155,8 @@ Result<std::vector<T>> read(const GltfDocument& document, std::size_t accessor, 
 
   if (const Json& sparse = member(entry, "sparse"); sparse.is_object()) {
     const std::size_t sparse_count = index_member(sparse, "count").value_or(0);
-    if (sparse_count == 0 || sparse_count > info.count) return bad(accessor, "its sparse count does not fit");
+    if (sparse_count == 0 || sparse_count > info.count)
+      return bad_accessor(accessor, "its sparse count does not fit");
     MIEN_TRY(const auto indices,
              read_sparse_indices(document, accessor, member(sparse, "indices"), sparse_count, info.count));
     MIEN_TRY(const auto rows,
@@ -169,15 +170,15 @@ Result<std::vector<T>> read(const GltfDocument& document, std::size_t accessor, 
 
 Result<AccessorInfo> accessor_info(const GltfDocument& document, std::size_t accessor) {
   const Json& accessors = array_member(document.json, "accessors");
-  if (accessor >= accessors.size()) return bad(accessor, "does not exist");
+  if (accessor >= accessors.size()) return bad_accessor(accessor, "does not exist");
   const Json& entry = accessors[accessor];
   const auto count = index_member(entry, "count");
   const auto type = index_member(entry, "componentType").value_or(0);
   const AccessorInfo info{count.value_or(0), components_of(text_member(entry, "type")),
                           static_cast<std::uint32_t>(std::min<std::size_t>(type, 65535))};
-  if (info.count == 0 || info.count > 0x7fffffff) return bad(accessor, "has no usable count");
+  if (info.count == 0 || info.count > 0x7fffffff) return bad_accessor(accessor, "has no usable count");
   if (info.components == 0 || component_size(info.component_type) == 0)
-    return bad(accessor, "has a type or componentType that glTF does not know");
+    return bad_accessor(accessor, "has a type or componentType that glTF does not know");
   return info;
 }
 
@@ -185,7 +186,7 @@ Result<std::vector<float>> read_floats(const GltfDocument& document, std::size_t
                                        std::size_t expected_count) {
   auto values = read<float>(document, accessor, components, expected_count);
   if (values && !std::all_of(values->begin(), values->end(), [](float v) { return std::isfinite(v); }))
-    return bad(accessor, "holds a number that is not finite");
+    return bad_accessor(accessor, "holds a number that is not finite");
   return values;
 }
 
@@ -194,7 +195,7 @@ Result<std::vector<std::uint32_t>> read_integers(const GltfDocument& document, s
   MIEN_TRY(const AccessorInfo info, accessor_info(document, accessor));
   if (info.component_type != kUnsignedByte && info.component_type != kUnsignedShort &&
       info.component_type != kUnsignedInt)
-    return bad(accessor, "holds no unsigned integers");
+    return bad_accessor(accessor, "holds no unsigned integers");
   return read<std::uint32_t>(document, accessor, components, expected_count);
 }
 

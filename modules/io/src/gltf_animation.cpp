@@ -7,6 +7,7 @@
 #include "base64.h"
 #include "even_motion.h"
 #include "glb_container.h"
+#include "gltf_component_type.h"
 #include "gltf_nodes.h"
 #include "mien/core/arkit.h"
 #include "read_budget.h"
@@ -17,7 +18,6 @@ namespace {
 
 using namespace io;
 
-constexpr int kUnsignedShort = 5123, kFloat = 5126;
 constexpr std::size_t kMaxBlock = 0xC0000000;  // bytes; leaves room for the character in the format's 4 GiB
 
 // One set of weights: what drives each target of a mesh. Nodes with the same set share their data.

@@ -148,7 +148,7 @@ double rate_of(const Json& animation, const std::vector<double>& times) {
   return std::abs(rate - std::round(rate)) < 1e-3 * rate ? std::max(1.0, std::round(rate)) : rate;
 }
 
-Result<Motion> read_document(const GltfDocument& document) {
+Result<Motion> motion_of(const GltfDocument& document) {
   const Json* animation = find_animation(document);
   if (animation == nullptr)
     return Error{Errc::incompatible, "glTF", "no animation moves morph targets",
@@ -202,14 +202,14 @@ Result<Motion> read_document(const GltfDocument& document) {
 
 Result<Motion> read_glb_motion(std::span<const std::byte> glb) {
   MIEN_TRY(const GltfDocument document, parse_gltf(glb));
-  return read_document(document);
+  return motion_of(document);
 }
 
 Result<Motion> read_glb_motion(const std::filesystem::path& path) {
   MIEN_TRY(const Bytes bytes, read_file(path));
   const auto folder = path.parent_path();
   MIEN_TRY(const GltfDocument document, parse_gltf(bytes, &folder));
-  return read_document(document);
+  return motion_of(document);
 }
 
 }  // namespace mien

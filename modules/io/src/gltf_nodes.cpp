@@ -4,6 +4,8 @@
 #include <cctype>
 #include <cmath>
 
+#include "gltf_component_type.h"
+
 namespace mien::io {
 namespace {
 
@@ -88,7 +90,6 @@ struct Bounds {
 
 Bounds bounds_of(const GltfDocument& document, const NodeTree& tree,
                  const std::vector<std::size_t>& mesh_nodes) {
-  constexpr std::size_t kFloat = 5126;
   Bounds bounds;
   const Json& accessors = array_member(document.json, "accessors");
   const Json& meshes = array_member(document.json, "meshes");

@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::size_t kTriangles = 4, kStrip = 5, kFan = 6;
 
-Error bad(std::string why) { return {Errc::input, "glTF primitive", std::move(why), ""}; }
+Error bad_primitive(std::string why) { return {Errc::input, "glTF primitive", std::move(why), ""}; }
 
 Vec3 at(const std::vector<float>& values, std::size_t v) {
   return {values[3 * v], values[3 * v + 1], values[3 * v + 2]};
@@ -35,8 +35,8 @@ Result<std::vector<std::array<std::uint32_t, 3>>> read_triangles(const GltfDocum
   }
   for (const auto c : corners)
     if (c >= num_vertices)
-      return bad("triangle corner " + std::to_string(c) + " of " + std::to_string(num_vertices) +
-                 " vertices");
+      return bad_primitive("triangle corner " + std::to_string(c) + " of " + std::to_string(num_vertices) +
+                           " vertices");
   std::vector<std::array<std::uint32_t, 3>> triangles;
   if (mode == kTriangles) {
     for (std::size_t i = 0; i + 2 < corners.size(); i += 3)
@@ -55,7 +55,8 @@ Result<std::vector<std::array<std::uint32_t, 3>>> read_triangles(const GltfDocum
 Result<std::vector<std::array<float, 4>>> read_colors(const GltfDocument& document, std::size_t accessor,
                                                       std::size_t num_vertices) {
   MIEN_TRY(const auto info, accessor_info(document, accessor));
-  if (info.components != 3 && info.components != 4) return bad("its colours are neither RGB nor RGBA");
+  if (info.components != 3 && info.components != 4)
+    return bad_primitive("its colours are neither RGB nor RGBA");
   MIEN_TRY(const auto values, read_floats(document, accessor, info.components, num_vertices));
   const auto width = static_cast<std::size_t>(info.components);
   std::vector<std::array<float, 4>> colors(num_vertices);
@@ -79,7 +80,7 @@ Result<std::vector<Matrix>> vertex_matrices(const GltfDocument& document, const 
     for (std::size_t k = 4 * v; k < 4 * v + 4; ++k) {
       if (weight[k] == 0) continue;
       if (joint[k] >= placement.joints.size())
-        return bad("a vertex follows a joint that its skin does not have");
+        return bad_primitive("a vertex follows a joint that its skin does not have");
       for (std::size_t i = 0; i < 16; ++i) matrices[v][i] += weight[k] * placement.joints[joint[k]][i];
       sum += weight[k];
     }
@@ -173,7 +174,7 @@ Result<std::optional<CharacterPart>> read_primitive(const GltfDocument& document
 
   const Json& attributes = member(primitive, "attributes");
   const auto position_accessor = index_member(attributes, "POSITION");
-  if (!position_accessor) return bad("has no POSITION");
+  if (!position_accessor) return bad_primitive("has no POSITION");
   MIEN_TRY(const auto info, accessor_info(document, *position_accessor));
   MIEN_TRY([[maybe_unused]] const auto paid, budget.spend(info.count));
   RawPrimitive raw;
@@ -191,7 +192,7 @@ Result<std::optional<CharacterPart>> read_primitive(const GltfDocument& document
 
   const Json& targets = array_member(primitive, "targets");
   if (targets.size() != plan.baked.size())
-    return bad("its number of targets differs from the rest of its mesh");
+    return bad_primitive("its number of targets differs from the rest of its mesh");
   for (std::size_t t = 0; t < targets.size(); ++t) {
     if (plan.baked[t] == 0) continue;
     MIEN_TRY(const auto d, read_target(document, targets, t, "POSITION", raw.num_vertices, budget));
@@ -216,10 +217,11 @@ Result<std::optional<CharacterPart>> read_primitive(const GltfDocument& document
       if (!n.empty()) add_scaled(normals, 1.0f, n);
     }
     Blendshape shape = sparse_shape(planned.name, offsets, normals, raw.num_vertices, mover);
-    if (!is_finite(shape.offsets)) return bad("shape '" + planned.name + "' moves a vertex out of range");
+    if (!is_finite(shape.offsets))
+      return bad_primitive("shape '" + planned.name + "' moves a vertex out of range");
     if (!shape.vertices.empty()) part.shapes.push_back(std::move(shape));
   }
-  if (!is_finite(part.mesh.positions)) return bad("a vertex lies out of range");
+  if (!is_finite(part.mesh.positions)) return bad_primitive("a vertex lies out of range");
   return std::optional<CharacterPart>(std::move(part));
 }
 

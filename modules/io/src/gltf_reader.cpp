@@ -160,7 +160,7 @@ void report_names(const NameReport& report, std::vector<std::string>& warnings) 
     warnings.push_back("morph targets without an ARKit name: " + listed(report.left_over));
 }
 
-Result<Character> read_document(const GltfDocument& document) {
+Result<Character> character_of(const GltfDocument& document) {
   MIEN_TRY(const NodeTree tree, read_nodes(document));
   ReadBudget budget;
   NameReport report;
@@ -215,7 +215,7 @@ Result<Character> read_document(const GltfDocument& document) {
 
 Result<Character> read_glb(std::span<const std::byte> bytes) {
   MIEN_TRY(const GltfDocument document, parse_gltf(bytes));
-  return read_document(document);
+  return character_of(document);
 }
 
 Result<Character> read_glb(const std::filesystem::path& path) {
@@ -223,7 +223,7 @@ Result<Character> read_glb(const std::filesystem::path& path) {
   const auto folder = path.parent_path();
   const auto document = parse_gltf(bytes, &folder);
   if (!document) return within(document.error(), "'" + path.string() + "'");
-  auto character = read_document(*document);
+  auto character = character_of(*document);
   if (!character) return within(character.error(), "'" + path.string() + "'");
   if (character->name.empty()) character->name = path.stem().string();
   return character;

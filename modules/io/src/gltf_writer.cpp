@@ -5,7 +5,9 @@
 #include <cmath>
 #include <set>
 
+#include "capitalised.h"
 #include "gltf_builder.h"
+#include "gltf_component_type.h"
 #include "mien/core/arkit.h"
 
 namespace mien {
@@ -13,7 +15,6 @@ namespace {
 
 using namespace io;
 
-constexpr int kUnsignedByte = 5121, kUnsignedShort = 5123, kUnsignedInt = 5125, kFloat = 5126;
 constexpr int kPoints = 0;  // primitive.mode
 
 bool is_finite(Vec3 p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
@@ -301,11 +302,6 @@ std::vector<std::string> all_targets(const Character& character) {
   for (const auto& name : others)
     if (!first.contains(name)) names.push_back(name);
   return names;
-}
-
-std::string capitalised(std::string name) {
-  if (!name.empty()) name[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(name[0])));
-  return name;
 }
 
 void add_mesh(GltfBuilder& builder, Json mesh, Vec3 pivot) {

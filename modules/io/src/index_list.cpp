@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::string_view kApart = " \t\r,;";
 
-Error bad_line(std::size_t line, const std::string& why, const std::string& fix) {
+Error bad_index_line(std::size_t line, const std::string& why, const std::string& fix) {
   return {Errc::input, "line " + std::to_string(line), why, fix};
 }
 
@@ -49,13 +49,14 @@ Result<std::vector<std::uint32_t>> read_index_list(std::string_view text, std::s
     const std::size_t dash = word.find('-');
     std::uint32_t first = 0, last = 0;
     if (!parse_index(word.substr(0, dash), first))
-      return bad_line(line, quoted(word) + " is no vertex number", "Write numbers from 0, or ranges as 3-7");
+      return bad_index_line(line, quoted(word) + " is no vertex number",
+                            "Write numbers from 0, or ranges as 3-7");
     last = first;
     if (dash != std::string_view::npos && !parse_index(word.substr(dash + 1), last))
-      return bad_line(line, quoted(word) + " is no range of vertices", "Write ranges as 3-7");
-    if (last < first) return bad_line(line, quoted(word) + " runs backwards", "");
+      return bad_index_line(line, quoted(word) + " is no range of vertices", "Write ranges as 3-7");
+    if (last < first) return bad_index_line(line, quoted(word) + " runs backwards", "");
     if (last >= num_vertices)
-      return bad_line(
+      return bad_index_line(
           line,
           "vertex " + std::to_string(last) + " does not exist: there are " + std::to_string(num_vertices),
           "Vertices are counted from 0");
@@ -83,7 +84,8 @@ Result<std::vector<std::pair<std::uint32_t, std::uint32_t>>> read_index_pairs(st
                return Done{};
              }
              if (may_be_heading && words[0].find_first_of("0123456789") != 0) return Done{};
-             return bad_line(line, "is no pair of vertex numbers", "Write two numbers a line: source,target");
+             return bad_index_line(line, "is no pair of vertex numbers",
+                                   "Write two numbers a line: source,target");
            }));
   return pairs;
 }

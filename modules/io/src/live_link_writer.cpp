@@ -3,6 +3,7 @@
 #include <numbers>
 #include <optional>
 
+#include "capitalised.h"
 #include "frame_text.h"
 #include "mien/base/number_text.h"
 #include "mien/core/arkit.h"
@@ -17,11 +18,6 @@ namespace {
 using namespace io;
 
 constexpr int kDecimals = 8;
-
-std::string capitalised(std::string name) {
-  name[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(name[0])));
-  return name;
-}
 
 void append_number(std::string& line, double value) {
   line += ',';

@@ -9,6 +9,7 @@
 #include "mien/core/arkit.h"
 #include "mien/core/flame_parameters.h"
 #include "mien/core/rig_controls.h"
+#include "mien/io/file_extension.h"
 #include "mien/io/flame_csv.h"
 #include "mien/io/live_link_csv.h"
 #include "mien/io/motion_json.h"
@@ -20,12 +21,6 @@ namespace {
 
 constexpr std::size_t kMaxWidth = 3'000'000;  // numbers a frame: a mesh of a million vertices
 constexpr std::array<std::string_view, 4> kExtensions = {".csv", ".glb", ".json", ".npy"};
-
-std::string lower_extension(const std::filesystem::path& path) {
-  std::string extension = path.extension().string();
-  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return extension;
-}
 
 Error unknown_extension(const std::filesystem::path& path) {
   std::string known;

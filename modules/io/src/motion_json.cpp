@@ -22,12 +22,12 @@ constexpr std::pair<MotionSpace, std::string_view> kSpaces[] = {{MotionSpace::ar
                                                                 {MotionSpace::vertices, "vertices"},
                                                                 {MotionSpace::rig, "rig"}};
 
-Error bad(std::string why) { return {Errc::input, "motion JSON", std::move(why), ""}; }
+Error bad_json(std::string why) { return {Errc::input, "motion JSON", std::move(why), ""}; }
 
 Result<double> read_rate(const Json& json, const char* key) {
   const auto fps = number_member(json, key);
   if (!fps || !is_frame_rate(*fps))
-    return bad(std::string("'") + key + "' is no frame rate between 0.1 and 10000");
+    return bad_json(std::string("'") + key + "' is no frame rate between 0.1 and 10000");
   return *fps;
 }
 
@@ -35,27 +35,28 @@ Result<std::vector<std::string>> read_names(const Json& json, const char* key) {
   std::vector<std::string> names;
   std::set<std::string> seen;
   for (const Json& entry : array_member(json, key)) {
-    if (!entry.is_string()) return bad(std::string("'") + key + "' holds something that is no name");
+    if (!entry.is_string()) return bad_json(std::string("'") + key + "' holds something that is no name");
     names.push_back(entry.get<std::string>());
-    if (!seen.insert(names.back()).second) return bad("two channels are called '" + names.back() + "'");
+    if (!seen.insert(names.back()).second) return bad_json("two channels are called '" + names.back() + "'");
   }
-  if (names.empty()) return bad(std::string("'") + key + "' is missing or empty");
+  if (names.empty()) return bad_json(std::string("'") + key + "' is missing or empty");
   return names;
 }
 
 // [N, width] numbers from a list of lists.
 Result<std::vector<float>> read_frames(const Json& json, const char* key, std::size_t width) {
   const Json& frames = member(json, key);
-  if (!frames.is_array()) return bad(std::string("'") + key + "' is not a list");
+  if (!frames.is_array()) return bad_json(std::string("'") + key + "' is not a list");
   std::vector<float> values;
   for (std::size_t n = 0; n < frames.size(); ++n) {
     const Json& frame = frames[n];
     if (!frame.is_array() || frame.size() != width)
-      return bad("frame " + std::to_string(n) + " is not a list of " + std::to_string(width) + " numbers");
+      return bad_json("frame " + std::to_string(n) + " is not a list of " + std::to_string(width) +
+                      " numbers");
     for (const Json& entry : frame) {
       const float value = entry.is_number() ? entry.get<float>() : NAN;
       if (!std::isfinite(value))
-        return bad("frame " + std::to_string(n) + " holds something that is no number");
+        return bad_json("frame " + std::to_string(n) + " holds something that is no number");
       values.push_back(value);
     }
   }
@@ -71,12 +72,12 @@ Result<Motion> read_ours(const Json& json) {
   bool known = false;
   for (const auto& [value, name] : kSpaces)
     if (name == space) motion.space = value, known = true;
-  if (!known) return bad("'space' is '" + space + "', expected arkit, flame, vertices or rig");
+  if (!known) return bad_json("'space' is '" + space + "', expected arkit, flame, vertices or rig");
   MIEN_TRY(motion.fps, read_rate(json, "fps"));
   if (motion.space == MotionSpace::vertices) {
     const auto count = index_member(member(json, "topology"), "vertices");
     if (!count || *count == 0 || *count > kMaxVertices)
-      return bad("'topology' does not say how many vertices move");
+      return bad_json("'topology' does not say how many vertices move");
     motion.topology = {text_member(member(json, "topology"), "name"), static_cast<std::int64_t>(*count)};
   } else {
     MIEN_TRY(motion.channels, read_names(json, "channels"));

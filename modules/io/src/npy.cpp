@@ -8,13 +8,13 @@
 namespace mien {
 namespace {
 
-constexpr char kMagic[] = "\x93NUMPY";
+constexpr char kNpyMagic[] = "\x93NUMPY";
 constexpr std::size_t kMagicSize = 6;
 constexpr std::size_t kAlignment = 64;
-constexpr std::size_t kMaxHeader = 1 << 20;
+constexpr std::size_t kMaxNpyHeader = 1 << 20;
 constexpr std::size_t kMaxDigits = 21;
 
-Error bad(std::string why) { return {Errc::input, ".npy file", std::move(why), ""}; }
+Error bad_npy(std::string why) { return {Errc::input, ".npy file", std::move(why), ""}; }
 
 // The header is a Python dictionary: {'descr': '<f4', 'fortran_order': False, 'shape': (3, 4), }.
 class HeaderParser {
@@ -109,7 +109,7 @@ Bytes npy_header(std::span<const std::int64_t> shape, std::size_t item_size, std
   while ((before + text.size() + 1) % kAlignment != 0) text += ' ';
   text += '\n';
   Bytes bytes;
-  for (std::size_t i = 0; i < kMagicSize; ++i) bytes.push_back(static_cast<std::byte>(kMagic[i]));
+  for (std::size_t i = 0; i < kMagicSize; ++i) bytes.push_back(static_cast<std::byte>(kNpyMagic[i]));
   bytes.push_back(std::byte{1});
   bytes.push_back(std::byte{0});
   contract(text.size() < 65536, "npy_header: too many dimensions");
@@ -140,8 +140,8 @@ struct ReadHeader {
 };
 
 Result<ReadHeader> read_header(std::span<const std::byte> bytes) {
-  if (bytes.size() < kMagicSize + 4 || std::memcmp(bytes.data(), kMagic, kMagicSize) != 0)
-    return bad("it does not start like a NumPy array");
+  if (bytes.size() < kMagicSize + 4 || std::memcmp(bytes.data(), kNpyMagic, kMagicSize) != 0)
+    return bad_npy("it does not start like a NumPy array");
   const int version = std::to_integer<int>(bytes[kMagicSize]);
   if (version < 1 || version > 3)
     return Error{Errc::incompatible, ".npy file", "version " + std::to_string(version) + ", expected 1 to 3",
@@ -149,12 +149,12 @@ Result<ReadHeader> read_header(std::span<const std::byte> bytes) {
   const std::size_t header_start = kMagicSize + (version == 1 ? 4 : 6);
   const auto long_size = read_le<std::uint32_t>(bytes, kMagicSize + 2);
   const auto short_size = read_le<std::uint16_t>(bytes, kMagicSize + 2);
-  if (version > 1 && !long_size) return bad("it ends inside its header");
+  if (version > 1 && !long_size) return bad_npy("it ends inside its header");
   const std::size_t header_size = version == 1 ? *short_size : *long_size;
-  if (header_size > kMaxHeader || header_size > bytes.size() - header_start)
-    return bad("it ends inside its header");
+  if (header_size > kMaxNpyHeader || header_size > bytes.size() - header_start)
+    return bad_npy("it ends inside its header");
   HeaderParser header(as_text(bytes.subspan(header_start, header_size)));
-  if (!header.parse()) return bad("its header is not understood");
+  if (!header.parse()) return bad_npy("its header is not understood");
   return ReadHeader{header.type, *header.fortran_order, *header.shape, header_start + header_size};
 }
 
@@ -163,13 +163,13 @@ Status check_size(std::span<const std::byte> bytes, const ReadHeader& header, st
   std::size_t count = 1;
   for (const auto size : header.shape) {
     const auto product = checked_multiply(count, static_cast<std::size_t>(size));
-    if (!product) return bad("its shape is too large");
+    if (!product) return bad_npy("its shape is too large");
     count = *product;
   }
   const auto size = checked_multiply(count, item);
   const std::size_t num_bytes = bytes.size() - header.data_offset;
   if (!size || num_bytes != *size)
-    return bad("it has " + std::to_string(num_bytes) + " bytes of data, its shape needs another number");
+    return bad_npy("it has " + std::to_string(num_bytes) + " bytes of data, its shape needs another number");
   return Done{};
 }
 

@@ -10,15 +10,15 @@
 namespace mien {
 namespace {
 
-constexpr std::string_view kSpaces = " \t\r";
+constexpr std::string_view kBlanks = " \t\r";
 // Keywords of the format that say nothing about positions and triangles.
 constexpr std::string_view kIgnored[] = {"vt", "vn", "vp", "g", "o", "s", "usemtl", "mtllib", "l", "p", "mg"};
 
 // The next word of a line, or an empty one at its end.
 std::string_view next_word(std::string_view& line) {
-  const auto start = std::min(line.find_first_not_of(kSpaces), line.size());
+  const auto start = std::min(line.find_first_not_of(kBlanks), line.size());
   line.remove_prefix(start);
-  const auto end = std::min(line.find_first_of(kSpaces), line.size());
+  const auto end = std::min(line.find_first_of(kBlanks), line.size());
   const auto word = line.substr(0, end);
   line.remove_prefix(end);
   return word;

@@ -9,7 +9,7 @@
 namespace mien {
 namespace {
 
-constexpr std::size_t kMaxHeader = 1 << 20;
+constexpr std::size_t kMaxPlyHeader = 1 << 20;
 constexpr std::size_t kMaxElements = 200'000'000;  // of one kind; each takes at least a byte of the file
 
 enum class Type { i8, u8, i16, u16, i32, u32, f32, f64 };
@@ -42,7 +42,7 @@ struct Header {
   std::vector<Element> elements;
 };
 
-Error bad(std::string why) { return {Errc::input, "PLY file", std::move(why), ""}; }
+Error bad_ply(std::string why) { return {Errc::input, "PLY file", std::move(why), ""}; }
 
 std::vector<std::string> words_of(std::string_view line) {
   std::vector<std::string> words;
@@ -57,7 +57,7 @@ std::vector<std::string> words_of(std::string_view line) {
 
 Status read_header_line(const std::vector<std::string>& words, Header& header) {
   const auto fail = [&] {
-    return bad("its header has a line '" + words.front() + " ...' that is not understood");
+    return bad_ply("its header has a line '" + words.front() + " ...' that is not understood");
   };
   if (words[0] == "comment" || words[0] == "obj_info" || words[0] == "ply") return Done{};
   if (words[0] == "format" && words.size() == 3) {
@@ -142,11 +142,11 @@ class Body {
 
 Status read_list(Body& body, const Property& property, std::vector<double>& list) {
   const auto count = body.next(*property.count_type);
-  if (!count || *count < 0 || *count != std::floor(*count)) return bad("a list has no length");
+  if (!count || *count < 0 || *count != std::floor(*count)) return bad_ply("a list has no length");
   list.clear();
   for (double i = 0; i < *count; ++i) {
     const auto value = body.next(property.type);
-    if (!value) return bad("it ends inside a list");
+    if (!value) return bad_ply("it ends inside a list");
     list.push_back(*value);
   }
   return Done{};
@@ -163,28 +163,28 @@ Status read_element(Body& body, const Element& element, Mesh& mesh) {
       if (property.count_type) {
         MIEN_TRY([[maybe_unused]] const auto read, read_list(body, property, list));
         if (!is_face || (property.name != "vertex_indices" && property.name != "vertex_index")) continue;
-        if (list.size() < 3) return bad("face " + std::to_string(i) + " has fewer than three corners");
+        if (list.size() < 3) return bad_ply("face " + std::to_string(i) + " has fewer than three corners");
         corners.clear();
         for (const double v : list) {
           if (!(v >= 0 && v <= 4294967295.0) || v != std::floor(v))
-            return bad("face " + std::to_string(i) + " names no vertex");
+            return bad_ply("face " + std::to_string(i) + " names no vertex");
           corners.push_back(static_cast<std::uint32_t>(v));
         }
         io::add_fan(corners, mesh.triangles);
         continue;
       }
       const auto value = body.next(property.type);
-      if (!value) return bad("it ends inside " + element.name + " " + std::to_string(i));
+      if (!value) return bad_ply("it ends inside " + element.name + " " + std::to_string(i));
       float* axis = property.name == "x"   ? &p.x
                     : property.name == "y" ? &p.y
                     : property.name == "z" ? &p.z
                                            : nullptr;
       if (!is_vertex || axis == nullptr) continue;
       *axis = static_cast<float>(*value), ++num_axes;
-      if (!std::isfinite(*axis)) return bad("vertex " + std::to_string(i) + " is not finite");
+      if (!std::isfinite(*axis)) return bad_ply("vertex " + std::to_string(i) + " is not finite");
     }
     if (!is_vertex) continue;
-    if (num_axes != 3) return bad("its vertices do not have one x, one y and one z");
+    if (num_axes != 3) return bad_ply("its vertices do not have one x, one y and one z");
     mesh.positions.push_back(p);
   }
   return Done{};
@@ -193,14 +193,14 @@ Status read_element(Body& body, const Element& element, Mesh& mesh) {
 }  // namespace
 
 Result<Mesh> read_ply(std::span<const std::byte> bytes) {
-  const auto text = as_text(bytes.subspan(0, std::min(bytes.size(), kMaxHeader)));
-  if (!text.starts_with("ply")) return bad("it does not start with 'ply'");
+  const auto text = as_text(bytes.subspan(0, std::min(bytes.size(), kMaxPlyHeader)));
+  if (!text.starts_with("ply")) return bad_ply("it does not start with 'ply'");
   Header header;
   bool ended = false;
   std::size_t at = 0;
   while (!ended) {
     const auto end = text.find('\n', at);
-    if (end == std::string_view::npos) return bad("its header has no end");
+    if (end == std::string_view::npos) return bad_ply("its header has no end");
     const auto words = words_of(text.substr(at, end - at));
     at = end + 1;
     if (words.empty()) continue;
@@ -215,13 +215,13 @@ Result<Mesh> read_ply(std::span<const std::byte> bytes) {
     // hold nothing.
     if (element.properties.empty()) continue;
     if (element.count > bytes.size() - at)
-      return bad("it announces " + std::to_string(element.count) + " of '" + element.name +
-                 "', more than its bytes");
+      return bad_ply("it announces " + std::to_string(element.count) + " of '" + element.name +
+                     "', more than its bytes");
     MIEN_TRY([[maybe_unused]] const auto read, read_element(body, element, mesh));
   }
   if (const auto stray = io::stray_vertex(mesh))
-    return bad("a face names vertex " + std::to_string(*stray) + " of " +
-               std::to_string(mesh.positions.size()));
+    return bad_ply("a face names vertex " + std::to_string(*stray) + " of " +
+                   std::to_string(mesh.positions.size()));
   return mesh;
 }
 

@@ -26,12 +26,14 @@ Error no_checkpoint(std::span<const std::byte> bytes, const std::string& name) {
 }
 
 // 119547037146038801333356, the number that begins the older form
-constexpr std::array<unsigned char, 10> kMagic = {0x6c, 0xfc, 0x9c, 0x46, 0xf9, 0x20, 0x6a, 0xa8, 0x50, 0x19};
+constexpr std::array<unsigned char, 10> kLegacyMagic = {0x6c, 0xfc, 0x9c, 0x46, 0xf9,
+                                                        0x20, 0x6a, 0xa8, 0x50, 0x19};
 
 bool is_magic(const PickleValue& value) {
   const auto bytes = value.bytes();
-  return value.kind() == PickleKind::big_integer && bytes && bytes->size() == kMagic.size() &&
-         std::ranges::equal(*bytes, kMagic, {}, [](std::byte b) { return static_cast<unsigned char>(b); });
+  return value.kind() == PickleKind::big_integer && bytes && bytes->size() == kLegacyMagic.size() &&
+         std::ranges::equal(*bytes, kLegacyMagic, {},
+                            [](std::byte b) { return static_cast<unsigned char>(b); });
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "mien/base/contract.h"
+#include "undefined.h"
 
 namespace mien {
 namespace {
@@ -54,7 +55,7 @@ std::vector<double> kinematic_beats(const FeatureTable& t, const std::vector<dou
 double beat_consistency(std::span<const BeatSequence> sequences, const BeatOptions& options) {
   contract(options.fps > 0 && options.sigma > 0, "beat_consistency: rate and width must be positive");
   double sum = 0, count = 0;
-  if (sequences.empty()) return std::numeric_limits<double>::quiet_NaN();
+  if (sequences.empty()) return kNan;
   for (const auto& s : sequences)
     contract(s.coefficients.width == sequences.front().coefficients.width,
              "beat_consistency: sequences of different channels");
@@ -72,7 +73,7 @@ double beat_consistency(std::span<const BeatSequence> sequences, const BeatOptio
     }
     sum += score / static_cast<double>(s.audio_beats.size());
   }
-  return count == 0 ? std::numeric_limits<double>::quiet_NaN() : sum / count;
+  return count == 0 ? kNan : sum / count;
 }
 
 }  // namespace mien

@@ -10,12 +10,10 @@
 namespace mien {
 namespace {
 
-using Json = nlohmann::json;
-
 constexpr std::size_t kMaxClips = 100'000;
 constexpr std::string_view kNoisySuffix = "_noisy";
 
-std::optional<std::string> text_member(const Json& object, const char* key) {
+std::optional<std::string> text_member(const nlohmann::json& object, const char* key) {
   const auto found = object.find(key);
   if (found == object.end() || !found->is_string()) return std::nullopt;
   return found->get<std::string>();
@@ -30,7 +28,7 @@ bool stays_inside(const std::filesystem::path& path) {
 }
 
 // An error text, or nothing.
-std::optional<std::string> parse_clip(const Json& object, const std::filesystem::path& folder,
+std::optional<std::string> parse_clip(const nlohmann::json& object, const std::filesystem::path& folder,
                                       BenchmarkClip& clip) {
   if (!object.is_object()) return "is not an object";
   const auto id = text_member(object, "id"), file = text_member(object, "file"),
@@ -58,14 +56,15 @@ Result<std::vector<BenchmarkClip>> parse_benchmark(std::string_view json,
     return Error{Errc::input, "benchmark '" + folder.string() + "'", why,
                  "Give the folder that holds manifest.json"};
   };
-  const Json root = Json::parse(json.begin(), json.end(), nullptr, /*allow_exceptions=*/false);
+  const nlohmann::json root =
+      nlohmann::json::parse(json.begin(), json.end(), nullptr, /*allow_exceptions=*/false);
   if (root.is_discarded() || !root.is_object()) return fail("manifest.json is not a JSON object");
   const auto list = root.find("clips");
   if (list == root.end() || !list->is_array()) return fail("manifest.json has no array 'clips'");
   if (list->size() > kMaxClips) return fail("manifest.json lists more than 100000 clips");
   std::vector<BenchmarkClip> clips;
   std::set<std::string> ids;
-  for (const Json& object : *list) {
+  for (const nlohmann::json& object : *list) {
     BenchmarkClip clip;
     if (auto why = parse_clip(object, folder, clip))
       return fail("clip " + std::to_string(clips.size()) + " " + *why);

@@ -1,12 +1,12 @@
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "mien/base/contract.h"
 #include "mien/base/random.h"
 #include "mien/core/arkit.h"
 #include "mien/metrics/distribution.h"
 #include "mien/metrics/statistics.h"
+#include "undefined.h"
 
 namespace mien {
 namespace {
@@ -140,8 +140,7 @@ RankHistogram rank_windows(std::span<const Motion> samples, const Motion& y, std
 }
 
 double share(std::int64_t part, std::int64_t whole) {
-  return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole)
-                   : std::numeric_limits<double>::quiet_NaN();
+  return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : kNan;
 }
 
 }  // namespace
@@ -166,7 +165,7 @@ RegionCalibration& RegionCalibration::operator+=(const RegionCalibration& other)
 }
 
 double RegionCalibration::spread_skill() const {
-  if (num_samples == 0) return std::numeric_limits<double>::quiet_NaN();
+  if (num_samples == 0) return kNan;
   const auto k = static_cast<double>(num_samples);
   return std::sqrt((k + 1) / k * variance.value()) / std::sqrt(squared_error.value());
 }
@@ -183,7 +182,7 @@ RankHistogram& RankHistogram::operator+=(const RankHistogram& other) {
 }
 
 double RankHistogram::chi_squared_per_degree() const {
-  if (windows == 0 || counts.size() < 2) return std::numeric_limits<double>::quiet_NaN();
+  if (windows == 0 || counts.size() < 2) return kNan;
   const double expected = static_cast<double>(windows) / static_cast<double>(counts.size());
   double sum = 0;
   for (const std::int64_t count : counts) {

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 
 #include "mien/metrics/statistics.h"
+#include "undefined.h"
 
 namespace mien {
 namespace {
@@ -18,11 +18,6 @@ constexpr std::int64_t kMaxOpenFramesInRun = 1;
 constexpr double kOpenNearbySeconds = 0.200;
 constexpr double kOpenNearbyShare = 0.20;
 constexpr double kLongRunSeconds = 0.300;
-
-double ratio(std::int64_t part, std::int64_t whole) {
-  return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole)
-                   : std::numeric_limits<double>::quiet_NaN();
-}
 
 double time_of(std::int64_t frame) { return static_cast<double>(frame) / kMetricFps; }
 
@@ -154,7 +149,7 @@ ClosureScore& ClosureScore::operator+=(const ClosureScore& other) {
 double ClosureScore::hit_rate() const { return ratio(hits, targets); }
 double ClosureScore::precision() const { return ratio(true_positives, true_positives + false_positives); }
 double ClosureScore::f1() const {
-  if (targets == 0) return std::numeric_limits<double>::quiet_NaN();
+  if (targets == 0) return kNan;
   if (hits == 0 || true_positives == 0) return 0;
   const double h = hit_rate(), p = precision();
   return 2 * p * h / (p + h);

@@ -1,10 +1,10 @@
 #include "mien/metrics/coefficient_comparison.h"
 
 #include <algorithm>
-#include <limits>
 
 #include "mien/base/contract.h"
 #include "mien/metrics/multimodality.h"
+#include "undefined.h"
 
 namespace mien {
 namespace {
@@ -36,7 +36,6 @@ bool CoefficientComparison::add_generated(const std::string& person, int sentenc
 }
 
 MotionDistances CoefficientComparison::distances(const WindOptions& options) const {
-  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   FeatureTable all;
   Multimodality spread;
   for (const auto& [key, repetitions] : generated_) {

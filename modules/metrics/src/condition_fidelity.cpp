@@ -9,6 +9,7 @@
 #include "mien/base/contract.h"
 #include "mien/core/arkit.h"
 #include "mien/metrics/regions.h"
+#include "undefined.h"
 
 namespace mien {
 namespace {
@@ -105,8 +106,7 @@ FidelityCounts& FidelityCounts::operator+=(const FidelityCounts& other) {
 }
 
 double FidelityCounts::accuracy() const {
-  return total > 0 ? static_cast<double>(right) / static_cast<double>(total)
-                   : std::numeric_limits<double>::quiet_NaN();
+  return total > 0 ? static_cast<double>(right) / static_cast<double>(total) : kNan;
 }
 
 FidelityCounts judge(const CentroidClassifier& classifier, std::span<const ConditionExample> examples) {

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "mien/base/contract.h"
 #include "mien/core/arkit.h"
 #include "mien/metrics/statistics.h"
+#include "undefined.h"
 
 namespace mien {
 namespace {
@@ -47,8 +47,7 @@ RestScore& RestScore::operator+=(const RestScore& other) {
 }
 
 double RestScore::closed_at_end_share() const {
-  return takes > 0 ? static_cast<double>(closed_at_end) / static_cast<double>(takes)
-                   : std::numeric_limits<double>::quiet_NaN();
+  return takes > 0 ? static_cast<double>(closed_at_end) / static_cast<double>(takes) : kNan;
 }
 
 std::vector<bool> pause_frames(const SpeechLabels& labels, std::int64_t num_frames) {

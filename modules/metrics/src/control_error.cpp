@@ -2,17 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <span>
 
 #include "mean_of_defined.h"
 #include "mien/core/arkit.h"
 #include "mien/core/rig_controls.h"
+#include "undefined.h"
 
 namespace mien {
 namespace {
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 double mean_distance(const Motion& a, const Motion& b, std::int64_t num_frames,
                      std::span<const std::size_t> channels) {

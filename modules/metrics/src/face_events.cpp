@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "mien/core/arkit.h"
 #include "mien/metrics/aperture.h"
 #include "mien/metrics/regions.h"
+#include "undefined.h"
 
 namespace mien {
 namespace {
@@ -21,10 +21,6 @@ constexpr double kAccentToleranceSeconds = 0.150;
 constexpr double kContactDeg = 3.0;
 constexpr double kMaxHorizontalDeg = 33, kMaxVerticalDeg = 28;  // gaze at coefficient 1, corpus section 7
 constexpr std::size_t kPitchChannel = kNumArkit + 1;
-
-double ratio(double part, double whole) {
-  return whole > 0 ? part / whole : std::numeric_limits<double>::quiet_NaN();
-}
 
 std::vector<double> lids(const Motion& motion) {
   std::vector<double> out = channel_values(motion, arkit_index("eyeBlinkLeft"));

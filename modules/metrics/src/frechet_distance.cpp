@@ -2,9 +2,9 @@
 
 #include <Eigen/Dense>
 #include <cmath>
-#include <limits>
 
 #include "mien/base/contract.h"
+#include "undefined.h"
 
 namespace mien {
 namespace {
@@ -53,7 +53,7 @@ double frechet_distance(const Gaussian& a, const Gaussian& b) {
   if (a.mean.empty()) return 0;
   const auto d = static_cast<Eigen::Index>(a.mean.size());
   const auto s1 = covariance_of(a), s2 = covariance_of(b);
-  if (!s1.allFinite() || !s2.allFinite()) return std::numeric_limits<double>::quiet_NaN();
+  if (!s1.allFinite() || !s2.allFinite()) return kNan;
   const Matrix half = root(s1);
   const Matrix product = half * s2 * half;
   const Eigen::SelfAdjointEigenSolver<Matrix> solver((product + product.transpose()) / 2,

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "mien/metrics/aperture.h"
 #include "mien/metrics/loudness.h"
 #include "mien/metrics/statistics.h"
+#include "undefined.h"
 
 namespace mien {
 namespace {
@@ -49,7 +49,7 @@ JawEnergy jaw_energy(std::span<const double> jaw, std::span<const double> level_
 }
 
 PooledJawEnergy pool_jaw_energy(std::span<const JawEnergy> clips) {
-  PooledJawEnergy out{std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN()};
+  PooledJawEnergy out{kNan, kNan};
   double best = -2;
   for (int lag = -kMaxJawLagFrames; lag <= kMaxJawLagFrames; ++lag) {
     std::vector<double> r, weights;

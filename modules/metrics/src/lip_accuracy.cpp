@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "mien/base/contract.h"
 #include "mien/core/arkit.h"
 #include "mien/metrics/aperture.h"
 #include "mien/metrics/closures.h"
 #include "mien/metrics/regions.h"
+#include "undefined.h"
 
 namespace mien {
 namespace {
@@ -21,13 +21,6 @@ constexpr double kTruthPucker = 0.25, kPredictedPucker = 0.125;
 constexpr std::int64_t kRoundingFrames = 6;  // 100 ms: rounding is slower than closing
 
 using Mask = std::vector<bool>;
-
-double ratio(double part, double whole) {
-  return whole > 0 ? part / whole : std::numeric_limits<double>::quiet_NaN();
-}
-double ratio(std::int64_t part, std::int64_t whole) {
-  return ratio(static_cast<double>(part), static_cast<double>(whole));
-}
 
 double harmonic(double precision, double recall) {
   if (std::isnan(recall)) return recall;
@@ -162,8 +155,7 @@ CorrelationSums& CorrelationSums::operator+=(const CorrelationSums& other) {
 double CorrelationSums::r() const {
   constexpr double kNoVariance = 1e-12;  // of curves in 0 ... 1: rounding leaves about 1e-17
   const double var_x = xx / n - x * x / (n * n), var_y = yy / n - y * y / (n * n);
-  if (!(n > 1) || !(var_x > kNoVariance) || !(var_y > kNoVariance))
-    return std::numeric_limits<double>::quiet_NaN();
+  if (!(n > 1) || !(var_x > kNoVariance) || !(var_y > kNoVariance)) return kNan;
   return std::clamp((xy / n - x * y / (n * n)) / std::sqrt(var_x * var_y), -1.0, 1.0);
 }
 

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include "mien/metrics/aperture.h"
 #include "mien/metrics/loudness.h"
 #include "mien/metrics/statistics.h"
+#include "undefined.h"
 
 namespace mien {
 namespace {
@@ -23,7 +23,6 @@ double parabola_top(double before, double top, double after) {
 }  // namespace
 
 LipLag lip_lag(std::span<const double> aperture, std::span<const double> level_db) {
-  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   constexpr std::size_t kMargin = kMaxLipLagFrames;
   const LipLag none{kNan, kNan, kNan};
   const std::size_t count = std::min(aperture.size(), level_db.size());

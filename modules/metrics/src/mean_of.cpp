@@ -1,6 +1,6 @@
 #include "mien/metrics/mean_of.h"
 
-#include <limits>
+#include "undefined.h"
 
 namespace mien {
 
@@ -10,8 +10,6 @@ MeanOf& MeanOf::operator+=(const MeanOf& other) {
   return *this;
 }
 
-double MeanOf::value() const {
-  return count > 0 ? sum / static_cast<double>(count) : std::numeric_limits<double>::quiet_NaN();
-}
+double MeanOf::value() const { return count > 0 ? sum / static_cast<double>(count) : kNan; }
 
 }  // namespace mien

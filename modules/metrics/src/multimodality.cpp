@@ -1,9 +1,9 @@
 #include "mien/metrics/multimodality.h"
 
 #include <cmath>
-#include <limits>
 
 #include "mien/base/contract.h"
+#include "undefined.h"
 
 namespace mien {
 namespace {
@@ -29,7 +29,7 @@ void Multimodality::add_pairs(const FeatureTable& a, const FeatureTable& b) {
 }
 
 double Multimodality::value() const {
-  return num_pairs_ == 0 ? std::numeric_limits<double>::quiet_NaN() : sum_ / static_cast<double>(num_pairs_);
+  return num_pairs_ == 0 ? kNan : sum_ / static_cast<double>(num_pairs_);
 }
 
 }  // namespace mien

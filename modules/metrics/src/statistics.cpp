@@ -2,17 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "mien/base/contract.h"
+#include "undefined.h"
 
 namespace mien {
-namespace {
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-
-}  // namespace
-
 double mean(std::span<const double> values) {
   if (values.empty()) return kNan;
   double sum = 0;

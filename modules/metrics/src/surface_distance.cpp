@@ -6,6 +6,7 @@
 
 #include "mien/base/contract.h"
 #include "mien/base/parallel.h"
+#include "undefined.h"
 
 namespace mien {
 namespace {
@@ -175,7 +176,7 @@ Result<double> surface_distance(const Motion& truth, const Motion& predicted,
       if (v >= num_vertices)
         return fail("a triangle names vertex " + std::to_string(v) + " of " + std::to_string(num_vertices));
   const std::int64_t num_frames = std::min(truth.num_frames(), predicted.num_frames());
-  if (num_frames == 0) return std::numeric_limits<double>::quiet_NaN();
+  if (num_frames == 0) return kNan;
 
   std::vector<Vec3> first(num_vertices);
   copy_positions(truth, 0, first);

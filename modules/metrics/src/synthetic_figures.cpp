@@ -8,7 +8,7 @@
 namespace mien {
 namespace {
 
-double ratio(const Compared<MeanOf>& pair) { return pair.generated.value() / pair.truth.value(); }
+double generated_to_true(const Compared<MeanOf>& pair) { return pair.generated.value() / pair.truth.value(); }
 
 struct RankSummary {
   double chi_squared, coverage_50, coverage_90;
@@ -77,8 +77,8 @@ SyntheticFigures figures_of(const SyntheticItemScore& sum, double items) {
   f.minutes = static_cast<double>(sum.diversity[0].truth.count) / kMetricFps / 60;
   fill_lips(sum, f);
   for (std::size_t r = 0; r < kNumFaceRegions; ++r) {
-    f.diversity[r] = ratio(sum.diversity[r]);
-    f.jitter[r] = ratio(sum.smoothness[r]);
+    f.diversity[r] = generated_to_true(sum.diversity[r]);
+    f.jitter[r] = generated_to_true(sum.smoothness[r]);
     f.excess_mae[r] = sum.accuracy[r].excess_mae();
     f.spread_skill[r] = sum.calibration.regions[r].spread_skill();
     f.energy_regret[r] = sum.calibration.regions[r].energy_regret();

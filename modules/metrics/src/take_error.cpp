@@ -6,11 +6,10 @@
 
 #include "mean_of_defined.h"
 #include "mien/base/contract.h"
+#include "undefined.h"
 
 namespace mien {
 namespace {
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 template <class A, class B>
 double squared_distance(std::span<const A> a, std::span<const B> b, std::size_t vertex) {

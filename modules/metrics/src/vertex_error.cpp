@@ -2,15 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "mean_of_defined.h"
 #include "mien/base/contract.h"
+#include "undefined.h"
 
 namespace mien {
 namespace {
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 // |a - b|^2 of one vertex.
 double squared_distance(std::span<const float> a, std::span<const float> b, std::size_t v) {

@@ -8,11 +8,10 @@
 #include "mien/base/hash.h"
 #include "mien/base/parallel.h"
 #include "mien/metrics/statistics.h"
+#include "undefined.h"
 
 namespace mien {
 namespace {
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 /// Nodes of the transport: n sources, then m sinks. Bellman and Ford's shortest paths, because arcs that give
 /// mass back have negative costs.

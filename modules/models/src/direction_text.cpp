@@ -9,8 +9,6 @@
 namespace mien {
 namespace {
 
-using Json = nlohmann::json;
-
 std::vector<std::string_view> split(std::string_view text, char separator) {
   std::vector<std::string_view> parts;
   for (;;) {
@@ -64,7 +62,7 @@ Result<Direction> direction_of(std::vector<DirectionKey> keys) {
   return Direction(std::move(keys));
 }
 
-std::optional<KeyWords> key_words(const Json& key) {
+std::optional<KeyWords> key_words(const nlohmann::json& key) {
   if (!key.is_object()) return std::nullopt;
   KeyWords words;
   for (const auto& [name, value] : key.items()) {
@@ -112,7 +110,7 @@ Result<Direction> parse_direction_csv(std::string_view text) {
 }
 
 Result<Direction> parse_direction_json(std::string_view text) {
-  const Json json = Json::parse(text, nullptr, /*allow_exceptions=*/false);
+  const nlohmann::json json = nlohmann::json::parse(text, nullptr, /*allow_exceptions=*/false);
   if (!json.is_array()) return Error{Errc::input, "direction", "is not a JSON list of keys", ""};
   std::vector<DirectionKey> keys;
   for (std::size_t i = 0; i < json.size(); ++i) {

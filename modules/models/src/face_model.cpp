@@ -9,6 +9,7 @@
 #include "mien/models/alignment.h"
 #include "mien/models/probtalk3d/conventions.h"
 #include "mien/models/runtime_parameters.h"
+#include "unfit.h"
 
 namespace mien {
 namespace {
@@ -26,10 +27,6 @@ Result<std::shared_ptr<const Network>> load_network(const SafetensorsFile& file,
   const Status status = load.finish();
   if (!status) return status.error();
   return std::shared_ptr<const Network>(std::move(network));
-}
-
-Error unfit(const std::string& why) {
-  return {Errc::incompatible, "model", why, "The file may be damaged; import the checkpoint again"};
 }
 
 // What shapes do not tell of a decoder.

@@ -5,6 +5,7 @@
 
 #include "mien/base/contract.h"
 #include "mien/core/arkit.h"
+#include "smooth_step.h"
 
 namespace mien {
 namespace {
@@ -18,11 +19,6 @@ struct EyeChannels {
 };
 constexpr EyeChannels kLeftEye{0, 5, 6};
 constexpr EyeChannels kRightEye{7, 12, 13};
-
-double smooth_step(double u) {
-  u = std::clamp(u, 0.0, 1.0);
-  return u * u * (3 - 2 * u);
-}
 
 void blink_eye(std::span<float> coefficients, const EyeChannels& eye, float b) {
   if (b <= 0) return;

@@ -4,16 +4,12 @@
 
 #include "mien/base/contract.h"
 #include "mien/core/arkit.h"
+#include "smooth_step.h"
 
 namespace mien {
 namespace {
 
 constexpr float kOuterGain = 0.72f;
-
-double smooth_step(double u) {
-  u = std::clamp(u, 0.0, 1.0);
-  return u * u * (3 - 2 * u);
-}
 
 void raise(float& coefficient, float r) { coefficient += r * (1 - coefficient); }
 

@@ -11,7 +11,7 @@
 namespace mien {
 namespace {
 
-constexpr int kMaxSide = 8192;
+constexpr int kMaxPictureSide = 8192;
 
 // Values at an instant, as resample() would give them.
 std::vector<float> values_at(const Motion& motion, double seconds) {
@@ -53,10 +53,10 @@ Result<MotionPicture> MotionPicture::create(const Character& character, std::vec
   contract(options.labels.empty() || options.labels.size() == motions.size(),
            "MotionPicture: one label for each motion expected");
   const auto count = static_cast<std::int64_t>(motions.size());
-  if (options.shading.width * count > kMaxSide || options.strip_height < 0 ||
-      options.shading.height + std::int64_t{options.strip_height} > kMaxSide)
+  if (options.shading.width * count > kMaxPictureSide || options.strip_height < 0 ||
+      options.shading.height + std::int64_t{options.strip_height} > kMaxPictureSide)
     return Error{Errc::usage, "picture",
-                 "would be larger than " + std::to_string(kMaxSide) + " pixels on a side",
+                 "would be larger than " + std::to_string(kMaxPictureSide) + " pixels on a side",
                  "Choose a smaller size or fewer motions"};
   if (character.parts.empty())
     return Error{Errc::incompatible, "character '" + character.name + "'", "has nothing to draw", ""};

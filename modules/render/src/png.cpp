@@ -11,7 +11,7 @@
 namespace mien {
 namespace {
 
-constexpr png_uint_32 kMaxSide = 8192;
+constexpr png_uint_32 kMaxPngSide = 8192;
 
 // What libpng's callbacks share. libpng leaves through longjmp, so nothing with a destructor may live in a
 // frame that it jumps over: the encoder and the decoder below keep all of that in this struct, outside of
@@ -57,7 +57,7 @@ bool run_encoder(Session& session, png_structp png, png_infop info) {
 bool run_decoder(Session& session, png_structp png, png_infop info) {
   if (setjmp(png_jmpbuf(png)) != 0) return false;
   png_set_read_fn(png, &session, on_read);
-  png_set_user_limits(png, kMaxSide, kMaxSide);
+  png_set_user_limits(png, kMaxPngSide, kMaxPngSide);
   png_set_chunk_malloc_max(png, 1 << 24);
   png_read_info(png, info);
   session.width = png_get_image_width(png, info);

@@ -16,7 +16,7 @@ namespace {
 
 using namespace render_detail;
 
-constexpr int kMaxSide = 8192;
+constexpr int kMaxRasterSide = 8192;
 constexpr int kBand = 8;  // lines handed to a thread at a time
 
 void check(const Scene& scene) {
@@ -52,9 +52,10 @@ RenderScratch::~RenderScratch() = default;
 
 Status RenderOptions::validate() const {
   const auto side = [](const char* name, int value) -> Status {
-    if (value >= 1 && value <= kMaxSide) return Done{};
+    if (value >= 1 && value <= kMaxRasterSide) return Done{};
     return Error{Errc::usage, std::string("picture ") + name,
-                 "is " + std::to_string(value) + " pixels, expected 1 to " + std::to_string(kMaxSide), ""};
+                 "is " + std::to_string(value) + " pixels, expected 1 to " + std::to_string(kMaxRasterSide),
+                 ""};
   };
   MIEN_TRY([[maybe_unused]] const auto width_fits, side("width", width));
   MIEN_TRY([[maybe_unused]] const auto height_fits, side("height", height));

@@ -12,7 +12,7 @@ using Matrix = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMa
 using ConstMap = Eigen::Map<const Matrix, 0, Eigen::OuterStride<>>;
 using MutableMap = Eigen::Map<Matrix, 0, Eigen::OuterStride<>>;
 
-constexpr std::int64_t kWorthAThread = 4'000'000;  // multiply-adds
+constexpr std::int64_t kWorthAnEigenThread = 4'000'000;  // multiply-adds
 
 class EigenKernel final : public PackedMatrix::Kernel {
  public:
@@ -22,7 +22,7 @@ class EigenKernel final : public PackedMatrix::Kernel {
   void run(const View& x, const float* bias, float* y, int num_threads) const override {
     const std::int64_t n = weights_.rows(), k = weights_.cols();
     const std::int64_t parts =
-        std::clamp<std::int64_t>(x.rows * n * k / kWorthAThread, 1, std::max(num_threads, 1));
+        std::clamp<std::int64_t>(x.rows * n * k / kWorthAnEigenThread, 1, std::max(num_threads, 1));
     const std::int64_t share = (x.rows + parts - 1) / parts;
     parallel_for(num_threads, (x.rows + share - 1) / share, [&](std::int64_t i) {
       const std::int64_t first = i * share, rows = std::min(share, x.rows - first);

@@ -6,10 +6,9 @@ namespace mien::default_model {
 namespace {
 
 constexpr std::uint32_t kBlinkStream = 2;
-constexpr double kMotionFps = 60;
 constexpr double kMargin = 0.1;  // the right eye may be a little later
 
-BlinkEvent shape(Event event) {
+BlinkEvent blink_of(Event event) {
   BlinkEvent blink = draw_blink(event.rng);
   blink.onset_s = static_cast<double>(event.frame) / kMotionFps;
   return blink;
@@ -24,10 +23,10 @@ void BlinkEvents::add_step(const Tensor& speech, const Tensor& c, const KeptFace
   EventRule rule;
   if (kept != nullptr)
     rule = {kept->blink_class(draw_.next_frame(), draw_.kind().frames), [&](const Event& event) {
-              const BlinkEvent blink = shape(event);
+              const BlinkEvent blink = blink_of(event);
               return kept->may_blink(blink.onset_s, blink.onset_s + blink.seconds() + kMargin);
             }};
-  if (const auto drawn = draw_.step(speech, c, c, rule)) events_.push_back(shape(*drawn));
+  if (const auto drawn = draw_.step(speech, c, c, rule)) events_.push_back(blink_of(*drawn));
 }
 
 LidClosure BlinkEvents::closure(std::int64_t n) {

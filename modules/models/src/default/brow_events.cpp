@@ -7,14 +7,13 @@ namespace mien::default_model {
 namespace {
 
 constexpr std::uint32_t kBrowStream = 4;
-constexpr double kMotionFps = 60;
 
 // What the path hears of accents is uncertain; drawn as it says, more than half of the raises miss them.
 // Sharpened, they keep to the accents that are surest. `neutral` keeps the number of raises about as it is
 // (docs/quality.md).
 constexpr Sharpening kSharpening{2, -2.0};
 
-BrowRaise shape(Event event) {
+BrowRaise raise_of(Event event) {
   BrowRaise raise = draw_brow_raise(event.rng);
   raise.onset_s = static_cast<double>(event.frame) / kMotionFps;
   raise.amplitude =
@@ -32,10 +31,10 @@ void BrowEvents::add_step(const Tensor& speech, const Tensor& c, const Tensor& u
   EventRule rule;
   if (kept != nullptr)
     rule = {kept->raise_class(draw_.next_frame(), draw_.kind().frames), [&](const Event& event) {
-              const BrowRaise raise = shape(event);
+              const BrowRaise raise = raise_of(event);
               return kept->may_raise(raise.onset_s, raise.onset_s + raise.seconds());
             }};
-  if (const auto drawn = draw_.step(speech, c, unknown_style, rule)) raises_.push_back(shape(*drawn));
+  if (const auto drawn = draw_.step(speech, c, unknown_style, rule)) raises_.push_back(raise_of(*drawn));
 }
 
 float BrowEvents::height(std::int64_t n) {

@@ -5,7 +5,6 @@
 namespace mien::default_model {
 namespace {
 
-constexpr std::int64_t kMotionFps = 60;
 constexpr std::int64_t kFramesBefore = 96;  // at the start of a recording it is as if 1.6 s had passed
 
 }  // namespace

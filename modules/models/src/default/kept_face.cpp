@@ -11,7 +11,6 @@ namespace {
 
 constexpr double kFps = 60;
 constexpr std::int64_t kNumChannels = 55;
-constexpr float kLargestStandardised = 6;  // as in upper_face.cpp: the network has never seen more
 
 // Events are what rises above a curve and is over within a time: longer than a blink, or a raise, can last.
 constexpr std::int64_t kBlinkReach = 18, kRaiseReach = 24;  // frames to either side

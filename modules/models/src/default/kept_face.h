@@ -12,6 +12,9 @@
 
 namespace mien::default_model {
 
+/// A standardised past beyond this is off course; the network has never seen it.
+inline constexpr float kLargestStandardised = 6;
+
 /// What an edit keeps, as the paths of the default model see it (docs/editing.md): standardised upper numbers
 /// without blinks and raises, and the blinks and raises as events.
 class KeptFace {

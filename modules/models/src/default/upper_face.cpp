@@ -8,8 +8,7 @@ namespace mien::default_model {
 namespace {
 
 constexpr std::uint32_t kNoiseStream = 1;
-constexpr double kGridPower = 1.7;         // dense at the noisy end (docs/default_model.md, section 5)
-constexpr float kLargestStandardised = 6;  // a past beyond this is off course; the network has never seen it
+constexpr double kGridPower = 1.7;  // dense at the noisy end (docs/default_model.md, section 5)
 constexpr std::int64_t kNumbers = kChunkSamples * kNumUpper;
 
 // Cubic interpolation half way between samples 0 and 1, from the four samples given by their index. Inside a

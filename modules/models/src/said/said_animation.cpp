@@ -8,7 +8,7 @@
 namespace mien {
 namespace {
 
-constexpr std::uint32_t kNoiseStream = 3;  // 1: the default model, 2: FaceDiffuser
+constexpr std::uint32_t kSaidNoiseStream = 3;  // 1: the default model, 2: FaceDiffuser
 
 // `known` with its last frame repeated, so that the motion of a clip is as long as its padded speech.
 KeptValues extended(const KeptValues& known, std::int64_t num_frames) {
@@ -49,7 +49,7 @@ class Performance {
         progress_(progress),
         takes_(static_cast<std::size_t>(num_takes)) {
     for (int take = 0; take < num_takes; ++take)
-      noise_.emplace_back(performance_seed(options.seed, take), kNoiseStream, num_channels_);
+      noise_.emplace_back(performance_seed(options.seed, take), kSaidNoiseStream, num_channels_);
   }
 
   /// `num_frames` of all takes at once, from nothing or from known values.

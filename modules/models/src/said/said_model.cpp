@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "../unfit.h"
 #include "mien/base/contract.h"
 #include "mien/core/arkit.h"
 #include "mien/models/runtime_parameters.h"
@@ -9,10 +10,6 @@
 
 namespace mien {
 namespace {
-
-Error unfit(const std::string& why) {
-  return {Errc::incompatible, "model", why, "The file may be damaged; import the checkpoint again"};
-}
 
 Status check(const ModelFile& d, const said::Sizes& sizes) {
   if (d.output.channels != sizes.num_channels)

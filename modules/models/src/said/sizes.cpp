@@ -4,7 +4,7 @@
 namespace mien::said {
 namespace {
 
-constexpr const char* kBlock = "denoiser.model.input_blocks.1.1.transformer_blocks.0.";
+constexpr const char* kFirstBlock = "denoiser.model.input_blocks.1.1.transformer_blocks.0.";
 
 }  // namespace
 
@@ -20,8 +20,8 @@ Result<Sizes> sizes_of(const std::map<std::string, Shape>& shapes) {
   s.width = size_of("denoiser.model.input_blocks.0.0.weight", 3, 0);
   s.num_channels = size_of("denoiser.model.input_blocks.0.0.weight", 3, 1);
   s.time = size_of("denoiser.model.time_embed.0.weight", 2, 0);
-  s.context = size_of(std::string(kBlock) + "attn2.to_k.weight", 2, 1);
-  s.inner = size_of(std::string(kBlock) + "ff.net.2.weight", 2, 1);
+  s.context = size_of(std::string(kFirstBlock) + "attn2.to_k.weight", 2, 1);
+  s.inner = size_of(std::string(kFirstBlock) + "ff.net.2.weight", 2, 1);
   s.has_projection = shapes.contains("audio_proj_layer.weight");
   s.speech = s.has_projection ? size_of("audio_proj_layer.weight", 2, 1) : s.context;
   if (s.num_channels <= 0 || s.time <= 0 || s.context <= 0 || s.inner <= 0 || s.speech <= 0)

@@ -7,7 +7,7 @@
 namespace mien::said {
 namespace {
 
-constexpr std::int64_t kBlock = 256;  // windows at a time: 2 MB of their flattened rows
+constexpr std::int64_t kWindowsAtATime = 256;  // windows at a time: 2 MB of their flattened rows
 
 }  // namespace
 
@@ -34,8 +34,8 @@ Tensor window_features(const Vae<Tensor>& vae, const Tensor& coefficients, std::
 
   const std::int64_t frames = sizes.encoded_frames(), channels = x.width();
   Tensor features = Tensor::uninitialized({num_windows, sizes.latent});
-  for (std::int64_t first = 0; first < num_windows; first += kBlock) {
-    const std::int64_t count = std::min(kBlock, num_windows - first);
+  for (std::int64_t first = 0; first < num_windows; first += kWindowsAtATime) {
+    const std::int64_t count = std::min(kWindowsAtATime, num_windows - first);
     Tensor flat = Tensor::uninitialized({count, channels * frames});
     for (std::int64_t w = 0; w < count; ++w)
       for (std::int64_t n = 0; n < frames; ++n) {

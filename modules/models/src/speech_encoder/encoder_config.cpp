@@ -2,21 +2,20 @@
 
 #include <algorithm>
 
+#include "refusal.h"
+
 namespace mien {
 namespace {
 
-Error refusal(const std::string& field, const std::string& why) {
-  return {Errc::incompatible, "encoder configuration: " + field, why, ""};
-}
-
 Status check_size(const char* field, std::int64_t value, std::int64_t largest) {
   if (value >= 1 && value <= largest) return Done{};
-  return refusal(field, "is " + std::to_string(value) + ", expected 1 ... " + std::to_string(largest));
+  return encoder_refusal(field,
+                         "is " + std::to_string(value) + ", expected 1 ... " + std::to_string(largest));
 }
 
 Status check_probability(const char* field, double value) {
   if (value >= 0 && value < 1) return Done{};
-  return refusal(field, "is " + std::to_string(value) + ", expected a probability below 1");
+  return encoder_refusal(field, "is " + std::to_string(value) + ", expected a probability below 1");
 }
 
 // Far above the largest member of the family (48 layers of 1280): what a file says is checked before it is
@@ -26,20 +25,20 @@ constexpr std::int64_t kMaxWidth = 16384, kMaxLayers = 256, kMaxKernel = 1024, k
 Status check_convolutions(const EncoderConfig& c) {
   const std::size_t count = c.conv_dim.size();
   if (count == 0 || count > kMaxConvLayers)
-    return refusal("conv_dim", "lists " + std::to_string(count) + " layers, expected 1 ... 32");
+    return encoder_refusal("conv_dim", "lists " + std::to_string(count) + " layers, expected 1 ... 32");
   if (c.conv_kernel.size() != count)
-    return refusal("conv_kernel", "lists " + std::to_string(c.conv_kernel.size()) + " layers, conv_dim " +
-                                      std::to_string(count));
+    return encoder_refusal("conv_kernel", "lists " + std::to_string(c.conv_kernel.size()) +
+                                              " layers, conv_dim " + std::to_string(count));
   if (c.conv_stride.size() != count)
-    return refusal("conv_stride", "lists " + std::to_string(c.conv_stride.size()) + " layers, conv_dim " +
-                                      std::to_string(count));
+    return encoder_refusal("conv_stride", "lists " + std::to_string(c.conv_stride.size()) +
+                                              " layers, conv_dim " + std::to_string(count));
   for (std::size_t i = 0; i < count; ++i) {
     MIEN_TRY([[maybe_unused]] const auto width, check_size("conv_dim", c.conv_dim[i], kMaxWidth));
     MIEN_TRY([[maybe_unused]] const auto kernel, check_size("conv_kernel", c.conv_kernel[i], kMaxKernel));
     MIEN_TRY([[maybe_unused]] const auto stride,
              check_size("conv_stride", c.conv_stride[i], c.conv_kernel[i]));
   }
-  if (c.hop() > (1 << 20)) return refusal("conv_stride", "makes a frame longer than a minute");
+  if (c.hop() > (1 << 20)) return encoder_refusal("conv_stride", "makes a frame longer than a minute");
   return Done{};
 }
 
@@ -83,7 +82,7 @@ std::int64_t EncoderConfig::num_frames(std::int64_t num_samples) const {
 
 Status EncoderConfig::validate() const {
   if (model_type != "hubert" && model_type != "wav2vec2")
-    return refusal("model_type", "is '" + model_type + "', supported are hubert and wav2vec2");
+    return encoder_refusal("model_type", "is '" + model_type + "', supported are hubert and wav2vec2");
   for (const auto& [field, value, largest] :
        {std::tuple{"hidden_size", hidden_size, kMaxWidth},
         std::tuple{"num_hidden_layers", num_hidden_layers, kMaxLayers},
@@ -93,13 +92,13 @@ Status EncoderConfig::validate() const {
         std::tuple{"num_conv_pos_embedding_groups", num_conv_pos_embedding_groups, kMaxWidth}})
     if (auto checked = check_size(field, value, largest); !checked) return checked;
   if (hidden_size % num_attention_heads != 0)
-    return refusal("num_attention_heads", std::to_string(num_attention_heads) +
-                                              " heads do not divide hidden_size " +
-                                              std::to_string(hidden_size));
+    return encoder_refusal("num_attention_heads", std::to_string(num_attention_heads) +
+                                                      " heads do not divide hidden_size " +
+                                                      std::to_string(hidden_size));
   if (hidden_size % num_conv_pos_embedding_groups != 0)
-    return refusal("num_conv_pos_embedding_groups", std::to_string(num_conv_pos_embedding_groups) +
-                                                        " groups do not divide hidden_size " +
-                                                        std::to_string(hidden_size));
+    return encoder_refusal("num_conv_pos_embedding_groups", std::to_string(num_conv_pos_embedding_groups) +
+                                                                " groups do not divide hidden_size " +
+                                                                std::to_string(hidden_size));
   MIEN_TRY([[maybe_unused]] const auto convolutions, check_convolutions(*this));
   for (const auto& [field, value] : {std::pair{"mask_time_prob", mask_time_prob},
                                      {"mask_feature_prob", mask_feature_prob},
@@ -114,11 +113,11 @@ Status EncoderConfig::validate() const {
     if (auto checked = check_size(field, value, 1 << 20); !checked) return checked;
   for (const auto& [field, value] : {std::pair{"mask_time_min_masks", mask_time_min_masks},
                                      {"mask_feature_min_masks", mask_feature_min_masks}})
-    if (value < 0 || value > (1 << 20)) return refusal(field, "is " + std::to_string(value));
+    if (value < 0 || value > (1 << 20)) return encoder_refusal(field, "is " + std::to_string(value));
   for (const auto& [field, value] :
        {std::pair{"layer_norm_eps", layer_norm_eps}, {"normalise_eps", normalise_eps}})
     if (!(value >= 0 && value <= 1))
-      return refusal(field, "is " + std::to_string(value) + ", expected 0 ... 1");
+      return encoder_refusal(field, "is " + std::to_string(value) + ", expected 0 ... 1");
   return Done{};
 }
 
@@ -133,8 +132,8 @@ Result<EncoderConfig> encoder_config_from_shapes(const std::map<std::string, Sha
     c.conv_kernel.push_back((*shape)[2]);
   }
   if (c.conv_kernel != EncoderConfig{}.conv_kernel)
-    return refusal("conv_stride",
-                   "cannot be told from the weights, whose kernels are not those of the base model");
+    return encoder_refusal("conv_stride",
+                           "cannot be told from the weights, whose kernels are not those of the base model");
   c.conv_bias = shapes.contains(convolution + "0.conv.bias");
   c.conv_layer_norm = shapes.contains(convolution + "1.layer_norm.weight");
   c.do_stable_layer_norm = c.conv_layer_norm;
@@ -150,7 +149,7 @@ Result<EncoderConfig> encoder_config_from_shapes(const std::map<std::string, Sha
   MIEN_TRY(const Shape* const position, shape_of(shapes, "encoder.pos_conv_embed.conv.weight_v", 3));
   c.num_conv_pos_embeddings = (*position)[2];
   if ((*position)[1] < 1)
-    return refusal("num_conv_pos_embedding_groups", "cannot be told from an empty tensor");
+    return encoder_refusal("num_conv_pos_embedding_groups", "cannot be told from an empty tensor");
   c.num_conv_pos_embedding_groups = c.hidden_size / (*position)[1];
   if (c.hidden_size == 768)
     c.num_attention_heads = 12;

@@ -1,15 +1,12 @@
 #include <nlohmann/json.hpp>
 
 #include "mien/models/speech_encoder/encoder_config.h"
+#include "refusal.h"
 
 namespace mien {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-Error refusal(const std::string& field, const std::string& why) {
-  return {Errc::incompatible, "encoder configuration: " + field, why, ""};
-}
 
 /// Reads fields one by one and keeps the first complaint.
 class Fields {
@@ -53,7 +50,7 @@ class Fields {
     value = found->get<T>();
   }
   void complain(const char* field, const std::string& why) {
-    if (status_) status_ = refusal(field, why);
+    if (status_) status_ = encoder_refusal(field, why);
   }
   const Json& json_;
   Status status_ = Done{};
@@ -129,8 +126,10 @@ Status read_preprocessor_config(std::string_view text, EncoderConfig& config) {
   fields.read("sampling_rate", rate);
   fields.read("feature_size", channels);
   if (!fields.status()) return fields.status().error();
-  if (rate != 16000) return refusal("sampling_rate", "is " + std::to_string(rate) + ", expected 16000");
-  if (channels != 1) return refusal("feature_size", "is " + std::to_string(channels) + ", expected 1");
+  if (rate != 16000)
+    return encoder_refusal("sampling_rate", "is " + std::to_string(rate) + ", expected 16000");
+  if (channels != 1)
+    return encoder_refusal("feature_size", "is " + std::to_string(channels) + ", expected 1");
   return Done{};
 }
 

@@ -5,6 +5,8 @@
 
 namespace mien::default_model {
 
+inline constexpr std::int64_t kMotionFps = 60;  ///< frames a second of all motion of the default model
+
 /// What an event path knows of earlier events: the class of the previous step (0 none, 1 + f onset in frame
 /// f) and the time since the last onset.
 class EventHistory {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "mien/base/number_text.h"
+#include "mien/console/console_exit.h"
 #include "mien/face/flame.h"
 #include "mien/io/motion_file.h"
 #include "mien/models/animate.h"
@@ -13,6 +15,8 @@ namespace mien {
 namespace {
 
 constexpr std::string_view kSilent = "the recording is silent";  // the reader's warning (mien/audio)
+
+constexpr double kCurvesFps = 60;  // of coefficients made of FLAME parameters, as of the default model
 
 using Takes = std::vector<TakeFiles>;
 
@@ -74,6 +78,20 @@ Status write_whole(const AnimatePlan& p, const ClipPlan& clip, const Output& out
                       {.character_glb = p.character_glb, .audio_name = clip.audio_name(), .glb = {}});
 }
 
+// Vertices of a FLAME model, or coefficients of a rig, for the parameters of a take.
+Result<Motion> face_of_flame(const AnimateArguments& a, const AnimatePlan& p, const Motion& parameters,
+                             int take, ConsoleProgress& progress) {
+  if (p.flame_face == FlameFace::vertices) return flame_vertices(FlamePoser(*p.flame), parameters, a.threads);
+  MIEN_TRY(FitResult fitted, p.flame_rig->curves(parameters, a.fps > 0 ? a.fps : kCurvesFps, progress));
+  double sum = 0;
+  for (const double r : fitted.residual) sum += r;
+  const double mm = fitted.residual.empty() ? 0 : 1000 * sum / static_cast<double>(fitted.residual.size());
+  progress.say((a.takes > 1 ? "take " + std::to_string(take + 1) + ": c" : "c") +
+               "oefficients of the rig leave " + fixed(mm, 3) + " mm of FLAME's movement (root mean square)");
+  progress.event("fitted", "\"take\":" + std::to_string(take + 1) + ",\"residual_mm\":" + fixed(mm, 6));
+  return std::move(fitted.coefficients);
+}
+
 // All outputs of all takes: first the files that are only to be finished, then those that need the whole
 // motion, then the pictures.
 Status write_outputs(const AnimateArguments& a, const AnimatePlan& p, const ClipPlan& clip, Takes& takes,
@@ -86,15 +104,15 @@ Status write_outputs(const AnimateArguments& a, const AnimatePlan& p, const Clip
   }
   for (const bool pictures : {false, true})
     for (int take = 0; take < a.takes; ++take) {
-      std::optional<Motion> flame;  // vertices of this take, made for the first output that shows them
+      std::optional<Motion> made;  // of this take's FLAME parameters, for the first output that needs it
       for (const Output& output : clip.of_take(take, a.takes)) {
         if (output.is_picture() != pictures || TakeFiles::is_streamed(output)) continue;
         const Motion& motion = takes[static_cast<std::size_t>(take)].motion();
-        if (output.shows_flame && !flame) {
-          MIEN_TRY(flame, flame_vertices(FlamePoser(*p.flame), motion, a.threads));
+        if (output.made_of_flame && !made) {
+          MIEN_TRY(made, face_of_flame(a, p, motion, take, progress));
         }
         const Status written =
-            write_whole(p, clip, output, output.shows_flame ? *flame : motion, sound, progress);
+            write_whole(p, clip, output, output.made_of_flame ? *made : motion, sound, progress);
         if (!written) return written.error();
         for (const auto& warning : written.warnings)
           if (take == 0) progress.warn(p.mesh ? warning : output.path.string() + ": " + warning);
@@ -118,12 +136,14 @@ struct OpenClip {
   Takes takes;
 };
 
-Result<OpenClip> open_clip(const AnimateArguments& a, const Performer& performer, const ClipPlan& clip) {
+Result<OpenClip> open_clip(const AnimateArguments& a, const AnimatePlan& p, const Performer& performer,
+                           const ClipPlan& clip) {
   MIEN_TRY(AudioReader speech, AudioReader::open(clip.speech));
   Takes takes;
   for (int take = 0; take < a.takes; ++take) {
-    MIEN_TRY(TakeFiles files, TakeFiles::create(clip.of_take(take, a.takes), empty_motion(performer), a.fps,
-                                                clip.audio_name()));
+    // Coefficients of a rig are brought to --fps after they were fitted.
+    MIEN_TRY(TakeFiles files, TakeFiles::create(clip.of_take(take, a.takes), empty_motion(performer),
+                                                p.flame_rig ? 0 : a.fps, clip.audio_name()));
     takes.push_back(std::move(files));
   }
   return OpenClip{std::move(speech), std::move(takes)};
@@ -184,7 +204,7 @@ std::vector<Result<double>> animate_clips(const AnimateArguments& a, const Anima
                                           const Performer& performer, std::span<const ClipPlan> clips,
                                           ConsoleProgress& progress) {
   std::vector<Result<OpenClip>> open;
-  for (const ClipPlan& clip : clips) open.push_back(open_clip(a, performer, clip));
+  for (const ClipPlan& clip : clips) open.push_back(open_clip(a, p, performer, clip));
   std::vector<Status> performed(clips.size(), Status(Done{}));
   if (clips.size() == 1) {
     if (open[0]) performed[0] = perform(a, p, performer, open[0]->speech, open[0]->takes, progress);

@@ -159,7 +159,12 @@ void add_animate_command(CLI::App& program, Chosen& chosen) {
   command->add_option(
       "--flame", a->flame,
       "FLAME model (generic_model.pkl or .npz) that makes a face of ProbTalk3D's parameters: .npy, "
-      ".glb, meshes and pictures then show its vertices; .csv and .json stay parameters");
+      ".glb, meshes and pictures then show its vertices; .csv and .json stay parameters. With --character, "
+      "whose topology is FLAME's, all outputs are ARKit coefficients of it");
+  command->add_option("--flame-rig", a->flame_rig,
+                      "Face of FLAME's topology with ARKit shapes (see mien transfer): ProbTalk3D then moves "
+                      "any --character, "
+                      "by the coefficients of this one that come closest to its vertices");
   add_vertex_options(*command, a->vertices);
   add_threads_option(*command, a->threads);
   add_console_options(*command, chosen);
@@ -173,6 +178,8 @@ void add_animate_command(CLI::App& program, Chosen& chosen) {
       "  mien animate hello.wav --model said.safetensors --steps 50 --guidance 2 -o hello.said.csv\n"
       "  mien animate hello.wav --model probtalk3d.safetensors --style W028 --emotion happy:3 --takes 10 "
       "-o hello.npy\n"
+      "  mien animate hello.wav --model probtalk3d.safetensors --flame generic_model.pkl --flame-rig "
+      "flame_rig.glb --character hero.glb -o hello.glb -o hello.csv\n"
       "  mien animate hello.wav --model voca.safetensors --mesh FLAME_sample.ply -o hello.glb -o "
       "hello.mp4\n");
   command->callback(

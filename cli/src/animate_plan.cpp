@@ -5,11 +5,11 @@
 #include <map>
 
 #include "character_source.h"
-#include "flame_outputs.h"
 #include "mien/core/flame_parameters.h"
 #include "mien/face/flame.h"
 #include "mien/io/character_file.h"
 #include "mien/io/flame_file.h"
+#include "mien/io/mesh_file.h"
 #include "mien/io/safetensors.h"
 #include "mien/models/face_model.h"
 #include "share.h"
@@ -81,20 +81,43 @@ Status plan_mesh(const AnimateArguments& a, const ModelFile& model, AnimatePlan&
 // A model that gives FLAME parameters, and the FLAME model that makes a face of them, if there is one.
 Status plan_flame(const AnimateArguments& a, const ModelFile& model, AnimatePlan& p) {
   if (model.output.space != "flame") {
-    if (a.flame.empty()) return Done{};
-    return Error{Errc::usage, "--flame", "is for models that give FLAME parameters", "Leave it out"};
+    if (a.flame.empty() && a.flame_rig.empty()) return Done{};
+    return Error{Errc::usage, a.flame.empty() ? "--flame-rig" : "--flame",
+                 "is for models that give FLAME parameters", "Leave it out"};
   }
+  if (a.flame.empty() && !(a.flame_rig.empty() && a.character.empty()))
+    return Error{Errc::usage, a.flame_rig.empty() ? "--character" : "--flame-rig",
+                 "needs a FLAME model: this model gives FLAME parameters",
+                 "Pass --flame generic_model.pkl too"};
   if (a.flame.empty()) {
     p.num_flame_parameters = model.output.channels;
     return Done{};
   }
-  MIEN_TRY(p.flame, read_flame_model(a.flame));
+  MIEN_TRY(FlameModel flame, read_flame_model(a.flame));
   const auto needed = model.output.channels - static_cast<std::int64_t>(kNumFlameJaw);
-  const auto given = p.flame->num_shapes - static_cast<std::int64_t>(kNumFlameShape);
+  const auto given = flame.num_shapes - static_cast<std::int64_t>(kNumFlameShape);
   if (given < needed)
     return Error{Errc::incompatible, "'" + a.flame + "'",
                  "has " + std::to_string(given) + " expressions, the model moves " + std::to_string(needed),
                  "Pass the FLAME model that goes with the data, such as FLAME 2020"};
+  // A character that is named is to move, so it needs coefficients.
+  const std::string& rig = a.flame_rig.empty() ? a.character : a.flame_rig;
+  if (!rig.empty()) {
+    p.flame_face = FlameFace::rig;
+    MIEN_TRY(Character character, load_character(rig));
+    if (a.flame_rig.empty() && merged_mesh(character).positions.size() != flame.neutral.size() / 3)
+      return Error{
+          Errc::incompatible, "--character '" + rig + "'",
+          "has another topology than the FLAME model: no coefficients can be fitted on it",
+          "Pass a face of FLAME's topology with ARKit shapes too: --flame-rig flame_rig.glb (made by "
+          "mien transfer " +
+              a.flame + ")"};
+    MIEN_TRY(p.flame_rig,
+             FlameRig::create(std::move(flame), std::move(character), rig, {.threads = a.threads}));
+    return Done{};
+  }
+  p.flame_face = FlameFace::vertices;
+  p.flame = std::move(flame);
   p.mesh = flame_mesh(*p.flame);
   if (p.vertices.mm_per_unit == 0) p.vertices.mm_per_unit = kFlameMmPerUnit;
   return Done{};
@@ -148,14 +171,15 @@ Status check_apart(const std::vector<ClipPlan>& clips) {
 }
 
 Status plan_clips(const AnimateArguments& a, bool moves_vertices, AnimatePlan& p) {
-  const bool is_flame = p.flame || p.num_flame_parameters > 0;
-  MIEN_TRY(const auto patterns, output_patterns(a, moves_vertices || is_flame ? ".npy" : ".glb", p));
+  const bool is_flame = p.flame_face != FlameFace::none || p.num_flame_parameters > 0;
+  const bool moves_character = p.flame_face == FlameFace::rig || !(moves_vertices || is_flame);
+  MIEN_TRY(const auto patterns, output_patterns(a, moves_character ? ".glb" : ".npy", p));
   constexpr OutputKind kAll[] = {OutputKind::motion, OutputKind::video, OutputKind::sheet, OutputKind::frames,
                                  OutputKind::meshes};
   const std::span<const OutputKind> kinds = std::span(kAll).first(moves_vertices || p.flame ? 5 : 4);
   std::vector<fs::path> inputs(a.speech.begin(), a.speech.end());
-  for (const fs::path& other :
-       {p.model_path, p.character_path, fs::path(a.vertices.mesh), fs::path(a.said.init), fs::path(a.flame)})
+  for (const fs::path& other : {p.model_path, p.character_path, fs::path(a.vertices.mesh),
+                                fs::path(a.said.init), fs::path(a.flame), fs::path(a.flame_rig)})
     inputs.push_back(other);
   for (const std::string& speech : a.speech) {
     std::vector<std::string> names;
@@ -163,7 +187,7 @@ Status plan_clips(const AnimateArguments& a, bool moves_vertices, AnimatePlan& p
       names.push_back(named(pattern, fs::path(speech).stem().string()));
     MIEN_TRY(auto outputs, plan_outputs(names, inputs, kinds, a.takes));
     if (is_flame) {
-      MIEN_TRY([[maybe_unused]] const auto fit, plan_flame_outputs(outputs, p.flame.has_value()));
+      MIEN_TRY([[maybe_unused]] const auto fit, plan_flame_outputs(outputs, p.flame_face));
     }
     p.clips.push_back({speech, std::move(outputs)});
   }

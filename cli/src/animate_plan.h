@@ -6,6 +6,8 @@
 
 #include "director.h"
 #include "face_director.h"
+#include "flame_outputs.h"
+#include "flame_rig.h"
 #include "mien/base/bytes.h"
 #include "mien/base/parallel.h"
 #include "mien/console/console_progress.h"
@@ -22,7 +24,7 @@ namespace mien {
 /// The words of `mien animate`.
 struct AnimateArguments {
   std::vector<std::string> speech;
-  std::string model, character, flame;
+  std::string model, character, flame, flame_rig;
   std::vector<std::string> outputs;
   DirectionWords words;
   FaceWords face;
@@ -55,11 +57,13 @@ struct AnimatePlan {
   FaceOptions face;
   SaidOptions said;
   std::filesystem::path model_path, character_path;
-  Bytes character_glb;                    ///< when a .glb is written
-  std::optional<Character> character;     ///< when pictures are drawn
-  std::optional<Mesh> mesh;               ///< of a model that moves vertices, which needs no character
-  VertexOptions vertices;                 ///< of that mesh
+  Bytes character_glb;                 ///< when a .glb is written
+  std::optional<Character> character;  ///< when pictures are drawn
+  std::optional<Mesh> mesh;            ///< of a model that moves vertices, which needs no character
+  VertexOptions vertices;              ///< of that mesh
+  FlameFace flame_face = FlameFace::none;
   std::optional<FlameModel> flame;        ///< makes the vertices, of the parameters that the model gives
+  std::optional<FlameRig> flame_rig;      ///< makes coefficients of them
   std::int64_t num_flame_parameters = 0;  ///< of a model that gives them where nothing makes a face of them
   PictureOptions pictures;
 

@@ -64,7 +64,7 @@ Result<Targets> targets(const EditArguments& a, const fs::path& model, const Mot
                                           a.keep.mask, a.keep.keys, a.vertices.mesh};
   MIEN_TRY(t.outputs, plan_outputs(a.outputs, inputs, std::span(kKinds).first(is_mesh ? 5 : 4), a.takes));
   if (motion.space == MotionSpace::flame) {
-    MIEN_TRY([[maybe_unused]] const auto fit, plan_flame_outputs(t.outputs, /*has_flame=*/false));
+    MIEN_TRY([[maybe_unused]] const auto fit, plan_flame_outputs(t.outputs, FlameFace::none));
   }
   MIEN_TRY([[maybe_unused]] const auto writable, check_writable(t.outputs));
   for (const Output& output : t.outputs) {

@@ -6,12 +6,15 @@
 
 #include "character_source.h"
 #include "fit_input.h"
+#include "fit_report.h"
+#include "flame_rig.h"
 #include "mien/base/file.h"
 #include "mien/base/number_text.h"
 #include "mien/base/parallel.h"
 #include "mien/console/console_exit.h"
 #include "mien/face/pose.h"
 #include "mien/io/character_file.h"
+#include "mien/io/flame_file.h"
 #include "mien/io/gltf_writer.h"
 #include "mien/io/motion_file.h"
 #include "options.h"
@@ -23,10 +26,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr double kCurvesFps = 60, kFlameFps = 25;  // of what is written, where nothing else is said
+
 struct FitArguments {
   std::string input, output, character, person_shapes, templates, shapes, vertices, format = ".csv",
-                                                                                    residuals;
-  double fps = 0, to_fps = 60, max_change = 0.1, mm_per_unit = 0;
+                                                                                    residuals, flame;
+  double fps = 0, max_change = 0.1, mm_per_unit = 0;
+  std::optional<double> to_fps;
+  std::int64_t expressions = 0;
   int threads = hardware_threads();
   bool force = false, json = false;
 };
@@ -64,59 +71,6 @@ Result<std::vector<Task>> plan_tasks(const FitArguments& a, const std::vector<fs
   return tasks;
 }
 
-struct Line {
-  std::string name;
-  double mean = 0, most = 0;
-};
-
-double mean_of(const std::vector<double>& values) {
-  double sum = 0;
-  for (const double v : values) sum += v;
-  return values.empty() ? 0 : sum / static_cast<double>(values.size());
-}
-
-// Mean and largest residual of the frames, of the whole face and by region.
-std::vector<Line> lines_of(const FitResult& fit, double unit_mm) {
-  const auto line = [&](std::string name, const std::vector<double>& r) {
-    return Line{std::move(name), unit_mm * mean_of(r),
-                r.empty() ? 0 : unit_mm * *std::max_element(r.begin(), r.end())};
-  };
-  std::vector<Line> lines = {line("all", fit.residual)};
-  for (const auto& [name, residual] : fit.region_residual) lines.push_back(line(name, residual));
-  return lines;
-}
-
-std::string residual_rows(const std::string& name, const FitResult& fit, double unit_mm) {
-  std::string text;
-  for (std::size_t n = 0; n < fit.residual.size(); ++n) {
-    text += name + "," + std::to_string(n) + "," + fixed(unit_mm * fit.residual[n], 6);
-    for (const auto& [region, residual] : fit.region_residual) text += "," + fixed(unit_mm * residual[n], 6);
-    text += "\n";
-  }
-  return text;
-}
-
-void print_lines(const Task& task, const std::vector<Line>& lines, const FitResult& fit, double unit_mm,
-                 bool json) {
-  const std::string frames = std::to_string(fit.coefficients.num_frames());
-  if (json) {
-    std::string regions;
-    for (const Line& line : lines)
-      regions += (regions.empty() ? "" : ",") + json_string(line.name) +
-                 ":{\"mean_mm\":" + fixed(line.mean, 6) + ",\"max_mm\":" + fixed(line.most, 6) + "}";
-    std::printf(
-        "{\"input\":%s,\"output\":%s,\"frames\":%s,\"fps\":%s,\"mm_per_unit\":%s,\"residual\":{%s}}\n",
-        json_string(task.input.string()).c_str(), json_string(task.output.string()).c_str(), frames.c_str(),
-        fixed(fit.coefficients.fps, 3).c_str(), fixed(unit_mm, 6).c_str(), regions.c_str());
-    return;
-  }
-  std::printf("%s: %s frames\n  %-14s %10s %10s\n", task.input.string().c_str(), frames.c_str(),
-              "residual, mm", "mean", "worst");
-  for (const Line& line : lines)
-    std::printf("  %-14s %10s %10s\n", line.name.c_str(), fixed(line.mean, 4).c_str(),
-                fixed(line.most, 4).c_str());
-}
-
 // Characters are in metres, and so are sequences of which nothing else is known.
 double mm_per_unit(const Motion& sequence, double said) {
   const auto known = known_topology(sequence.topology.num_vertices);
@@ -132,15 +86,42 @@ void scale_sequence(Motion& sequence, double metres_per_unit) {
 class Fitter {
  public:
   /// @param in_units_of_input  the faces are in the unit of the sequences, not in metres
-  Fitter(const FitArguments& a, Character character, const std::optional<PersonFaces>& persons,
-         bool in_units_of_input, ConsoleProgress& progress)
+  Fitter(const FitArguments& a, fs::path character_path, Character character,
+         const std::optional<PersonFaces>& persons, bool in_units_of_input, ConsoleProgress& progress)
       : a_(a),
+        character_path_(std::move(character_path)),
         character_(std::move(character)),
         persons_(persons),
         in_units_of_input_(in_units_of_input),
         progress_(progress) {}
 
   Status fit(const Task& task) {
+    const auto outcome = a_.flame.empty() ? fit_shapes(task) : fit_flame_rig(task);
+    if (!outcome) return within(outcome.error(), "'" + task.input.string() + "'");
+    Bytes glb;
+    if (task.output.extension() == ".glb") {
+      MIEN_TRY(glb, write_glb(face(), {.normals = true, .pivot = neck_pivot(face()), .extras = {}}));
+    }
+    const Status written =
+        write_motion(task.output, outcome->motion, {.character_glb = glb, .audio_name = "", .glb = {}});
+    if (!written) return written.error();
+    for (const auto& warning : written.warnings) progress_.warn(warning);
+    progress_.finish_line();
+    print_fit(task.input, task.output, *outcome, a_.json);
+    if (residuals_.empty()) residuals_ = residual_header(*outcome);
+    residuals_ += residual_rows(task.input.stem().string(), *outcome);
+    num_frames_ += outcome->motion.num_frames();
+    return Done{};
+  }
+
+  [[nodiscard]] const std::string& residuals() const { return residuals_; }
+  [[nodiscard]] std::int64_t num_frames() const { return num_frames_; }
+
+ private:
+  [[nodiscard]] const Character& face() const { return flame_rig_ ? flame_rig_->character() : character_; }
+
+  // Vertices of a face to coefficients of its shapes.
+  Result<FitOutcome> fit_shapes(const Task& task) {
     auto sequence = read_sequence(task.input, a_.fps);
     if (!sequence) return sequence.error();
     for (const auto& warning : sequence.warnings) progress_.warn(warning);
@@ -153,49 +134,67 @@ class Fitter {
     }
     Motion part = taken_vertices(*rig_, std::move(*sequence));
     if (!in_units_of_input_) scale_sequence(part, unit_mm / 1000);
-    if (a_.to_fps > 0 && part.fps != a_.to_fps) part = resample(part, a_.to_fps);
+    const double to_fps = a_.to_fps.value_or(kCurvesFps);
+    if (to_fps > 0 && part.fps != to_fps) part = resample(part, to_fps);
     const FitOptions options{.lower = 0, .upper = 1, .max_change = a_.max_change, .num_threads = a_.threads};
-    const auto fitted =
-        fit_coefficients(rig_->neutral, rig_->shapes, part, rig_->regions, options, progress_);
-    if (!fitted) return within(fitted.error(), "'" + task.input.string() + "'");
-    const double mm = in_units_of_input_ ? unit_mm : 1000;
-
-    Bytes glb;
-    if (task.output.extension() == ".glb") {
-      MIEN_TRY(glb, write_glb(character_, {.normals = true, .pivot = neck_pivot(character_), .extras = {}}));
-    }
-    const Status written =
-        write_motion(task.output, fitted->coefficients, {.character_glb = glb, .audio_name = "", .glb = {}});
-    if (!written) return written.error();
-    for (const auto& warning : written.warnings) progress_.warn(warning);
-    progress_.finish_line();
-    print_lines(task, lines_of(*fitted, mm), *fitted, unit_mm, a_.json);
-    if (residuals_.empty()) {
-      residuals_ = "sequence,frame,all_mm";
-      for (const auto& [region, residual] : fitted->region_residual) residuals_ += "," + region + "_mm";
-      residuals_ += "\n";
-    }
-    residuals_ += residual_rows(task.input.stem().string(), *fitted, mm);
-    num_frames_ += fitted->coefficients.num_frames();
-    return Done{};
+    auto fitted = fit_coefficients(rig_->neutral, rig_->shapes, part, rig_->regions, options, progress_);
+    if (!fitted) return fitted.error();
+    return FitOutcome{std::move(fitted->coefficients), std::move(fitted->residual),
+                      std::move(fitted->region_residual), in_units_of_input_ ? unit_mm : 1000, unit_mm};
   }
 
-  [[nodiscard]] const std::string& residuals() const { return residuals_; }
-  [[nodiscard]] std::int64_t num_frames() const { return num_frames_; }
+  // Parameters of FLAME to coefficients, and all else to parameters of FLAME.
+  Result<FitOutcome> fit_flame_rig(const Task& task) {
+    std::error_code problem;
+    auto motion = fs::is_directory(task.input, problem) ? read_sequence(task.input, a_.fps)
+                                                        : read_motion(task.input, {.fps = a_.fps});
+    if (!motion) return motion.error();
+    for (const auto& warning : motion.warnings) progress_.warn(warning);
+    const bool to_curves = motion->space == MotionSpace::flame;
+    if (!to_curves && task.output.extension() == ".glb")
+      return Error{Errc::usage, "output '" + task.output.string() + "'", "cannot hold FLAME parameters",
+                   "Write .npy, .csv or .json"};
+    const double unit_mm =
+        motion->space == MotionSpace::vertices ? mm_per_unit(*motion, a_.mm_per_unit) : 1000;
+    scale_sequence(*motion, unit_mm / 1000);
+    if (!flame_rig_) {
+      MIEN_TRY(FlameModel model, read_flame_model(a_.flame));
+      MIEN_TRY(flame_rig_, FlameRig::create(std::move(model), std::move(character_), character_path_,
+                                            {.shapes = a_.shapes,
+                                             .vertices = a_.vertices,
+                                             .max_change = a_.max_change,
+                                             .expressions = a_.expressions,
+                                             .threads = a_.threads}));
+    }
+    const double fps = a_.to_fps.value_or(to_curves ? kCurvesFps : kFlameFps);
+    if (to_curves) {
+      MIEN_TRY(FitResult fitted, flame_rig_->curves(*motion, fps, progress_));
+      return FitOutcome{std::move(fitted.coefficients), std::move(fitted.residual),
+                        std::move(fitted.region_residual), 1000, unit_mm};
+    }
+    MIEN_TRY(FlameFitResult fitted, flame_rig_->parameters(*motion, fps, progress_));
+    return FitOutcome{std::move(fitted.parameters), std::move(fitted.residual),
+                      std::move(fitted.region_residual), 1000, unit_mm};
+  }
 
- private:
   const FitArguments& a_;
+  fs::path character_path_;
   Character character_;
   const std::optional<PersonFaces>& persons_;
   bool in_units_of_input_;
   ConsoleProgress& progress_;
   std::optional<FitRig> rig_;
+  std::optional<FlameRig> flame_rig_;
   std::int64_t rig_vertices_ = 0, num_frames_ = 0;
   std::string rig_person_;
   std::string residuals_;
 };
 
 Status check_arguments(const FitArguments& a) {
+  if (!a.flame.empty() && !a.person_shapes.empty())
+    return Error{Errc::usage, "--flame", "does not go with --person-shapes", "Leave one of them out"};
+  if (a.flame.empty() && a.expressions > 0)
+    return Error{Errc::usage, "--expressions", "are FLAME's", "Pass --flame too, or leave it out"};
   if (a.person_shapes.empty() != a.templates.empty())
     return Error{Errc::usage, "--person-shapes and --templates", "belong together",
                  "Pass both, or --character with one face"};
@@ -235,7 +234,7 @@ Status run_fit(const FitArguments& a, ConsoleProgress& progress) {
   constexpr OutputKind kKinds[] = {OutputKind::motion};
   for (const Task& task : tasks) {
     const std::string name = task.output.string();
-    const std::array<fs::path, 3> inputs = {task.input, path, a.vertices};
+    const std::array<fs::path, 4> inputs = {task.input, path, a.vertices, a.flame};
     MIEN_TRY(const auto outputs, plan_outputs({&name, 1}, inputs, kKinds));
     MIEN_TRY([[maybe_unused]] const auto writable, check_writable(outputs));
   }
@@ -248,7 +247,7 @@ Status run_fit(const FitArguments& a, ConsoleProgress& progress) {
   if (!persons) {
     MIEN_TRY(character, load_character(path));
   }
-  Fitter fitter(a, std::move(character), persons, persons || fs::is_directory(path, problem), progress);
+  Fitter fitter(a, path, std::move(character), persons, persons || fs::is_directory(path, problem), progress);
   for (const Task& task : tasks) {
     if (progress.cancelled()) return Error{Errc::cancelled, "", "interrupted", ""};
     MIEN_TRY([[maybe_unused]] const auto done, fitter.fit(task));
@@ -273,8 +272,10 @@ void add_fit_command(CLI::App& program, Chosen& chosen) {
   auto* command = program.add_subcommand("fit", "Find the coefficients of vertex sequences");
   auto a = std::make_shared<FitArguments>();
   command
-      ->add_option("INPUT", a->input,
-                   "A sequence: .npy, or a folder of .obj, .ply or .vl frames; or a folder of sequences")
+      ->add_option(
+          "INPUT", a->input,
+          "A sequence: .npy, or a folder of .obj, .ply or .vl frames; or a folder of sequences. With "
+          "--flame a motion file")
       ->required();
   command
       ->add_option(
@@ -286,21 +287,34 @@ void add_fit_command(CLI::App& program, Chosen& chosen) {
       "--character", a->character,
       "The sequence's face with shapes (.glb .gltf .vrm .safetensors), or a folder of neutral.obj "
       "and a mesh per shape. Default: Mien's head");
+  command->add_option(
+      "--flame", a->flame,
+      "FLAME model (generic_model.pkl or .npz), whose topology --character has: INPUT of FLAME parameters "
+      "becomes coefficients; INPUT of coefficients (.csv .json .npy .glb) or of vertices becomes FLAME's "
+      "expression and jaw");
+  command
+      ->add_option("--expressions", a->expressions,
+                   "How many of FLAME's expressions to use, 1 to 100. Default: ProbTalk3D's 50")
+      ->check(CLI::Range(1, 100));
   command->add_option("--person-shapes", a->person_shapes,
                       "BlendVOCA's residuals (.pkl: person, shape, displacements) instead of --character; "
                       "sequences begin with their person's name");
   command->add_option("--templates", a->templates,
                       "The persons' neutral faces (VOCASET's templates.pkl, .safetensors, or a folder)");
-  command->add_option("--shapes", a->shapes,
-                      "Shapes to use: said (the 32 of BlendVOCA) or names apart by commas. Default: all");
+  command->add_option(
+      "--shapes", a->shapes,
+      "Shapes to use: said (the 32 of BlendVOCA) or names apart by commas. Default: all; from FLAME "
+      "all but the gaze and the tongue");
   command->add_option("--vertices", a->vertices,
                       "File of the vertices that count (BlendVOCA: FLAME_head_idx.txt). Default: all");
   command->add_option("--fps", a->fps, "Frames a second of INPUT, 1 to 240. Default: known from the data set")
       ->check(CLI::Range(1.0, 240.0));
   command
-      ->add_option("--to-fps", a->to_fps, "Frames a second of the coefficients, 1 to 240; 0: those of INPUT")
-      ->check(CLI::Range(0.0, 240.0))
-      ->capture_default_str();
+      ->add_option(
+          "--to-fps", a->to_fps,
+          "Frames a second of the output, 1 to 240; 0: those of INPUT. Default: 60 for coefficients, "
+          "25 for FLAME")
+      ->check(CLI::Range(0.0, 240.0));
   command
       ->add_option("--max-change", a->max_change,
                    "Most that a coefficient changes from frame to frame, 0.001 to 1")
@@ -325,7 +339,9 @@ void add_fit_command(CLI::App& program, Chosen& chosen) {
       "  mien fit vertices_npy --character blendshapes/ --vertices FLAME_head_idx.txt --shapes said "
       "-o out/\n"
       "  mien fit vocaset/vertices_npy --person-shapes residuals.pkl --templates templates.pkl --vertices "
-      "FLAME_head_idx.txt --shapes said --fps 60 -o coefficients/\n");
+      "FLAME_head_idx.txt --shapes said --fps 60 -o coefficients/\n"
+      "  mien fit hello.npy --flame generic_model.pkl --character flame_rig.glb -o hello.csv\n"
+      "  mien fit hello.csv --flame generic_model.pkl --character flame_rig.glb -o hello.npy\n");
   command->callback([a, &chosen] {
     a->json = chosen.json;
     chosen.work = [a](ConsoleProgress& progress) { return run_fit(*a, progress); };

@@ -2,12 +2,12 @@
 
 namespace mien {
 
-Status plan_flame_outputs(std::span<Output> outputs, bool has_flame) {
+Status plan_flame_outputs(std::span<Output> outputs, FlameFace face) {
   for (Output& output : outputs) {
     const auto extension = output.path.extension();
     const bool is_text = output.kind == OutputKind::motion && (extension == ".csv" || extension == ".json");
-    output.shows_flame = has_flame && !is_text;
-    if (!has_flame && (output.kind != OutputKind::motion || output.is_glb()))
+    output.made_of_flame = face == FlameFace::rig || (face == FlameFace::vertices && !is_text);
+    if (face == FlameFace::none && (output.kind != OutputKind::motion || output.is_glb()))
       return Error{Errc::usage, "output '" + output.path.string() + "'",
                    "shows a face, and this model gives FLAME parameters",
                    "Write .npy, .csv or .json; mien animate --flame generic_model.pkl makes a face"};

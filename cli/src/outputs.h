@@ -19,8 +19,8 @@ enum class OutputKind {
 struct Output {
   std::filesystem::path path;
   OutputKind kind = OutputKind::motion;
-  /// Vertices that a FLAME model makes of the motion, which is made of its parameters.
-  bool shows_flame = false;
+  /// Made of the FLAME parameters that the model gives: vertices, or coefficients of a rig.
+  bool made_of_flame = false;
 
   [[nodiscard]] bool is_picture() const { return kind != OutputKind::motion && kind != OutputKind::meshes; }
   [[nodiscard]] bool is_folder() const { return kind == OutputKind::frames || kind == OutputKind::meshes; }

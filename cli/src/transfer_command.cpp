@@ -193,9 +193,9 @@ void add_transfer_command(CLI::App& program, Chosen& chosen) {
   auto* command = program.add_subcommand("transfer", "Make the shapes of one face for another mesh");
   auto a = std::make_shared<TransferArguments>();
   command
-      ->add_option(
-          "TARGET", a->target,
-          "The face at rest: .obj .ply, or a character (.glb .gltf .vrm .safetensors), of any topology")
+      ->add_option("TARGET", a->target,
+                   "The face at rest: .obj .ply, a FLAME model (.pkl .npz), or a character (.glb .gltf .vrm "
+                   ".safetensors), of any topology")
       ->required();
   command->add_option("-o,--output", a->output, "Character to write (.glb), for animate --character")
       ->required();

@@ -6,7 +6,9 @@
 
 #include "mien/base/file.h"
 #include "mien/base/number_text.h"
+#include "mien/face/flame.h"
 #include "mien/io/character_file.h"
+#include "mien/io/flame_file.h"
 #include "mien/io/index_list.h"
 #include "mien/io/mesh_file.h"
 
@@ -55,6 +57,10 @@ Result<Character> load_target(const std::string& path, const std::string& unit) 
   const fs::path file(path);
   std::string extension = file.extension().string();
   for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  if (extension == ".pkl" || extension == ".npz") {
+    MIEN_TRY(const FlameModel model, read_flame_model(file));
+    return Character{file.stem().string(), {{"skin", flame_mesh(model), {}}}, {}};
+  }
   if (extension != ".obj" && extension != ".ply") return load_character(file);
   auto mesh = load_mesh(file);
   if (!mesh) return mesh.error();

@@ -8,9 +8,9 @@
 
 namespace mien {
 
-/// The face that gets shapes: a mesh file (.obj .ply) as a character of one part, or the parts of a
-/// character, in metres. @param unit  "m", "cm" or "mm": of the positions of a mesh file Warnings: a size
-/// that no head in that unit has. Errors: those of the readers.
+/// The face that gets shapes: a mesh file (.obj .ply) or the face of a FLAME model (.pkl .npz) as a
+/// character of one part, or the parts of a character, in metres. @param unit  "m", "cm" or "mm": of the
+/// positions of a mesh file Warnings: a size that no head in that unit has. Errors: those of the readers.
 Result<Character> load_target(const std::string& path, const std::string& unit);
 
 /// Where markers come from: a file of pairs, or two files of landmarks, one vertex a line, in the same order.

@@ -1,12 +1,16 @@
 // mien animate with ProbTalk3D: FLAME parameters, and the face that a FLAME model makes of them.
 #include <gmock/gmock.h>
 
+#include "made_flame.h"
+#include "mien/base/file.h"
 #include "mien/io/character_file.h"
+#include "mien/io/gltf_writer.h"
 #include "mien/io/motion_file.h"
 #include "mien/io/npy.h"
 #include "mien/models/probtalk3d/conventions.h"
 #include "mien/models/probtalk3d/network.h"
 #include "program.h"
+#include "sheet_face.h"
 #include "small_face_model.h"
 #include "test_paths.h"
 
@@ -33,6 +37,17 @@ class AnimateFlameTest : public ProgramTest {
     sizes.width = 8, sizes.inner = 12, sizes.heads = 2, sizes.prior_blocks = 1, sizes.num_codes = 16;
     sizes.code_width = 4, sizes.predictor_blocks = 1, sizes.condition = 32, sizes.style = 13;
     write_face_model(in_folder("flame.safetensors"), m, probtalk3d::Network<Tensor>(sizes));
+  }
+  void write_glb_file(const std::string& name, const Character& character) const {
+    const auto glb = write_glb(character, {});
+    ASSERT_TRUE(glb) << glb.error().message();
+    ASSERT_TRUE(write_file(in_folder(name), std::span<const std::byte>(*glb)));
+  }
+  // A rig and a model in FLAME's form of one topology.
+  void write_rig() const {
+    const Character rig = sheet_face(11, 11);
+    write_glb_file("rig.glb", rig);
+    write("made.pkl", flame_pickle(made_flame(rig.parts.front().mesh, rig.parts.front().shapes, 50)));
   }
   [[nodiscard]] Outcome face(std::vector<std::string> more) const {
     more.insert(more.begin(), {"animate", "speech.wav", "--model", "flame.safetensors"});
@@ -94,6 +109,57 @@ TEST_F(AnimateFlameTest, MakesAFaceWithAFlameModel) {
   EXPECT_EQ(without.exit_code, 2);
   EXPECT_THAT(without.err, HasSubstr("--flame"));
   EXPECT_EQ(mien({"render", "face.npy", "--flame", recorded.string(), "-o", "later.png"}).exit_code, 2);
+}
+
+// Curves of a rig on FLAME's topology, by one command and by two.
+TEST_F(AnimateFlameTest, MovesACharacterOfItsTopology) {
+  write_rig();
+  const auto run =
+      face({"--flame", "made.pkl", "--character", "rig.glb", "--takes", "2", "--temperature", "5", "-o",
+            "out.csv", "-o", "out.json", "-o", "out.glb", "-o", "out.png", "--size", "32", "--json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.err, HasSubstr("\"residual_mm\""));
+  const auto motion = read_motion(in_folder("out-2.json"));
+  ASSERT_TRUE(motion) << motion.error().message();
+  EXPECT_EQ(motion->space, MotionSpace::arkit);
+  EXPECT_THAT(motion->channels, ElementsAre("jawOpen", "mouthSmileLeft", "browInnerUp")) << "no gaze";
+  EXPECT_EQ(motion->fps, 60);
+  EXPECT_EQ(motion->num_frames(), num_motion_frames(49.0 / 25, 60));
+  const auto animated = read_motion(in_folder("out-2.glb"));
+  ASSERT_TRUE(animated) << animated.error().message();
+  EXPECT_EQ(animated->num_frames(), motion->num_frames());
+  EXPECT_GT(bytes_of("out-1.png").size(), 100u);
+
+  ASSERT_EQ(face({"--takes", "2", "--temperature", "5", "-o", "parameters.npy"}).exit_code, 0);
+  const auto two =
+      mien({"fit", "parameters-2.npy", "--flame", "made.pkl", "--character", "rig.glb", "-o", "two.json"});
+  ASSERT_EQ(two.exit_code, 0) << two.err;
+  const auto same = read_motion(in_folder("two.json"));
+  ASSERT_TRUE(same) << same.error().message();
+  ASSERT_EQ(same->values.size(), motion->values.size());
+  for (std::size_t i = 0; i < same->values.size(); ++i) EXPECT_NEAR(same->values[i], motion->values[i], 1e-5);
+}
+
+// By the rig's coefficients, a face of any other topology.
+TEST_F(AnimateFlameTest, MovesAnyCharacterThroughTheRig) {
+  write_rig();
+  write_glb_file("hero.glb", sheet_face(7, 9));
+  const auto alone = face({"--flame", "made.pkl", "--character", "hero.glb", "-o", "hero.out.glb"});
+  EXPECT_EQ(alone.exit_code, 4);
+  EXPECT_THAT(alone.err, HasSubstr("--flame-rig"));
+  const auto run = face({"--flame", "made.pkl", "--flame-rig", "rig.glb", "--character", "hero.glb", "--fps",
+                         "30", "-o", "hero.out.glb", "-o", "curves.csv", "-o", "hero.out.npy"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto moved = load_character(in_folder("hero.out.glb"));
+  ASSERT_TRUE(moved) << moved.error().message();
+  EXPECT_EQ(moved->parts.front().mesh.positions.size(), 63u);
+  const auto curves = read_motion(in_folder("curves.csv"));
+  ASSERT_TRUE(curves) << curves.error().message();
+  EXPECT_EQ(curves->num_frames(), num_motion_frames(49.0 / 25, 30));
+  EXPECT_EQ(face({"--flame-rig", "rig.glb", "-o", "a.csv"}).exit_code, 2);
+  EXPECT_EQ(face({"--character", "rig.glb", "-o", "a.csv"}).exit_code, 2) << "no FLAME model";
+  EXPECT_EQ(face({"--flame", "made.pkl", "--flame-rig", "hero.glb", "-o", "a.csv"}).exit_code, 4);
+  EXPECT_EQ(animate({"--flame-rig", "rig.glb"}).exit_code, 2);
 }
 
 TEST_F(AnimateFlameTest, RefusesWhatDoesNotFit) {

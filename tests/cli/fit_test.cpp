@@ -10,6 +10,7 @@
 #include "mien/io/npy.h"
 #include "pickle_text.h"
 #include "program.h"
+#include "sheet_face.h"
 
 namespace mien {
 namespace {
@@ -19,23 +20,8 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::Lt;
 
-// A sheet of 0.2 m that bulges in the middle, raised by `jaw` below its middle and by `smile` at its left.
 std::string sheet_obj(int columns, int rows, double jaw = 0, double smile = 0) {
-  Mesh mesh;
-  for (int j = 0; j < rows; ++j)
-    for (int i = 0; i < columns; ++i) {
-      const double x = 2.0 * i / (columns - 1) - 1, y = 2.0 * j / (rows - 1) - 1;
-      const double z = 0.6 * std::exp(-3 * (x * x + y * y)) +
-                       jaw * std::exp(-4 * (x * x + (y + 0.5) * (y + 0.5))) +
-                       smile * std::exp(-4 * ((x - 0.5) * (x - 0.5) + y * y));
-      mesh.positions.push_back(
-          {static_cast<float>(0.1 * x), static_cast<float>(0.1 * y), static_cast<float>(0.1 * z)});
-      if (i + 1 == columns || j + 1 == rows) continue;
-      const auto v = static_cast<std::uint32_t>(j * columns + i), c = static_cast<std::uint32_t>(columns);
-      mesh.triangles.push_back({v, v + 1, v + c});
-      mesh.triangles.push_back({v + 1, v + c + 1, v + c});
-    }
-  return write_obj(mesh);
+  return write_obj(sheet_mesh(columns, rows, jaw, smile));
 }
 
 class FitTest : public ProgramTest {

@@ -135,17 +135,18 @@ Result<Motion> flame_vertices(const FlamePoser& poser, const Motion& parameters,
   const auto columns = flame_columns(parameters);
   const auto num_betas = static_cast<std::size_t>(model.num_shapes);
   constexpr std::size_t kNumBetas = kNumFlameShape + kNumFlameExpression;
-  for (std::size_t c = 0; c < columns.size(); ++c) {
-    if (columns[c] && *columns[c] < kNumBetas && *columns[c] >= num_betas)
-      return Error{Errc::incompatible, "FLAME model",
-                   "has " + std::to_string(num_betas - kNumFlameShape) + " expressions, the motion moves '" +
-                       parameters.channels[c] + "'",
-                   ""};
-  }
-  for (std::size_t i = 0; i < parameters.values.size(); ++i)
+  for (std::size_t i = 0; i < parameters.values.size(); ++i) {
+    const auto& column = columns[i % columns.size()];
     if (!std::isfinite(parameters.values[i]))
       return Error{Errc::input, "FLAME parameters",
                    "frame " + std::to_string(i / columns.size()) + " is not finite", ""};
+    // Files hold columns for all parameters; those that stay 0 need nothing of the model.
+    if (column && *column < kNumBetas && *column >= num_betas && parameters.values[i] != 0)
+      return Error{Errc::incompatible, "FLAME model",
+                   "has " + std::to_string(num_betas - kNumFlameShape) + " expressions, the motion moves '" +
+                       parameters.channels[i % columns.size()] + "'",
+                   ""};
+  }
   Motion motion = vertex_motion(topology_of(model.num_vertices), parameters.fps);
   const auto width = static_cast<std::size_t>(motion.num_channels());
   motion.values.resize(static_cast<std::size_t>(parameters.num_frames()) * width);

@@ -1,0 +1,226 @@
+#include "mien/face/flame_fit.h"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+#include "built_head.h"
+#include "made_flame.h"
+#include "mien/base/random.h"
+#include "mien/core/flame_parameters.h"
+#include "mien/face/flame.h"
+#include "mien/fit/coefficient_fit.h"
+
+namespace mien {
+namespace {
+
+using testing::Each;
+using testing::Lt;
+
+/// The head's skin, and a model in FLAME's form of its topology.
+struct Made {
+  const CharacterPart& skin = test::built_head().character.parts.front();
+  FlameModel model = made_flame(skin.mesh, skin.shapes);
+  FlamePoser poser{model};
+  [[nodiscard]] std::size_t num_expressions() const {
+    return static_cast<std::size_t>(model.num_shapes) - kNumFlameShape;
+  }
+  [[nodiscard]] FlameFitOptions options() const {
+    return {.num_expressions = static_cast<std::int64_t>(num_expressions()), .num_threads = 2};
+  }
+};
+const Made& made() {
+  static const Made all;
+  return all;
+}
+
+Motion parameters(std::int64_t num_frames) {
+  const std::size_t count = made().num_expressions();
+  Motion motion{MotionSpace::flame, flame_channels(0, count), 25, {}};
+  Rng rng(3);
+  for (std::int64_t n = 0; n < num_frames; ++n) {
+    for (std::size_t e = 0; e < count; ++e) motion.values.push_back(static_cast<float>(rng.normal(0, 1)));
+    for (const double most : {0.4, 0.1, 0.1})
+      motion.values.push_back(static_cast<float>(rng.uniform(-0.2 * most, most)));
+  }
+  return motion;
+}
+
+double most(const std::vector<double>& values) { return *std::max_element(values.begin(), values.end()); }
+double mean(const std::vector<double>& values) {
+  double sum = 0;
+  for (const double v : values) sum += v;
+  return sum / static_cast<double>(values.size());
+}
+
+TEST(FlameFit, FindsTheParametersThatMadeTheVertices) {
+  const Motion truth = parameters(4);
+  const auto vertices = flame_vertices(made().poser, truth, 2);
+  ASSERT_TRUE(vertices) << vertices.error().message();
+  Progress progress;
+  FlameFitOptions options = made().options();
+  options.expression_cost = 1e-8;  // next to nothing: the vertices decide all
+  const std::map<std::string, std::vector<std::uint32_t>> regions = {{"first", {0, 1, 2}}};
+  const auto fit = fit_flame(made().model, *vertices, {}, regions, options, progress);
+  ASSERT_TRUE(fit) << fit.error().message();
+  EXPECT_EQ(fit->parameters.channels, truth.channels);
+  ASSERT_EQ(fit->parameters.values.size(), truth.values.size());
+  for (std::size_t i = 0; i < truth.values.size(); ++i)
+    EXPECT_NEAR(fit->parameters.values[i], truth.values[i], 2e-4)
+        << truth.channels[i % truth.channels.size()];
+  EXPECT_THAT(fit->residual, Each(Lt(1e-7)));  // float32 positions of 0.1 m
+  EXPECT_EQ(fit->region_residual.at("first").size(), 4u);
+  EXPECT_LE(fit->num_iterations, 12) << "the derivatives are those of the model";
+
+  options.num_threads = 1;
+  const auto again = fit_flame(made().model, *vertices, {}, regions, options, progress);
+  EXPECT_EQ(again->parameters.values, fit->parameters.values);
+  // Some of the vertices are enough, and a frame does not depend on the others.
+  std::vector<std::uint32_t> some;
+  for (std::uint32_t v = 0; v < made().skin.mesh.positions.size(); v += 3) some.push_back(v);
+  Motion last = *vertices;
+  last.values.assign(vertices->frame(3).begin(), vertices->frame(3).end());
+  const auto part = fit_flame(made().model, last, some, {}, options, progress);
+  ASSERT_TRUE(part) << part.error().message();
+  const auto width = truth.channels.size();
+  for (std::size_t c = 0; c < width; ++c)
+    EXPECT_NEAR(part->parameters.values[c], truth.values[3 * width + c], 2e-3);
+}
+
+TEST(FlameVertices, ParametersThatTheModelLacksMayOnlyBeZero) {
+  Motion motion{MotionSpace::flame, flame_channels(300, 100), 25, std::vector<float>(403)};
+  motion.values[402] = 0.1f;
+  EXPECT_TRUE(flame_vertices(made().poser, motion));
+  motion.values[399] = 0.1f;
+  const auto refused = flame_vertices(made().poser, motion);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, Errc::incompatible);
+}
+
+TEST(FlameFit, TheFaceAtRestHasNoParameters) {
+  const auto rest = flame_vertices(made().poser, Motion{MotionSpace::flame, {"jaw_x"}, 25, {0}});
+  ASSERT_TRUE(rest);
+  Progress progress;
+  const auto fit = fit_flame(made().model, *rest, {}, {}, made().options(), progress);
+  ASSERT_TRUE(fit) << fit.error().message();
+  for (const float v : fit->parameters.values) EXPECT_NEAR(v, 0, 1e-4);
+  Motion none = *rest;
+  none.values.clear();
+  const auto empty = fit_flame(made().model, none, {}, {}, made().options(), progress);
+  ASSERT_TRUE(empty);
+  EXPECT_EQ(empty->parameters.num_frames(), 0);
+}
+
+// A model whose jaw moves nothing leaves the jaw where it is.
+TEST(FlameFit, AJawThatMovesNothingStays) {
+  FlameModel stiff = made().model;
+  for (std::size_t v = 0; v < static_cast<std::size_t>(stiff.num_vertices); ++v) {
+    stiff.weights[v * kNumFlameJoints + 1] = 1;
+    stiff.weights[v * kNumFlameJoints + 2] = 0;
+  }
+  std::fill(stiff.pose_shapes.begin(), stiff.pose_shapes.end(), 0.0f);
+  const auto vertices = flame_vertices(FlamePoser(stiff), parameters(1));
+  ASSERT_TRUE(vertices);
+  Progress progress;
+  const auto fit = fit_flame(stiff, *vertices, {}, {}, made().options(), progress);
+  ASSERT_TRUE(fit);
+  for (std::size_t k = 0; k < 3; ++k) EXPECT_EQ(fit->parameters.values[made().num_expressions() + k], 0);
+  EXPECT_LT(fit->residual[0], 1e-4);
+}
+
+TEST(FlameFit, RefusesWhatDoesNotFit) {
+  Progress progress;
+  const auto rest = flame_vertices(made().poser, Motion{MotionSpace::flame, {"jaw_x"}, 25, {0}});
+  const auto code = [&](const Motion& motion, FlameFitOptions options) {
+    return fit_flame(made().model, motion, {}, {}, options, progress).error().code;
+  };
+  EXPECT_EQ(code(vertex_motion({"two", 2}, 25, std::vector<float>(6)), made().options()), Errc::incompatible);
+  EXPECT_EQ(code(parameters(1), made().options()), Errc::incompatible);
+  FlameFitOptions many = made().options();
+  many.num_expressions += 1;
+  EXPECT_EQ(code(*rest, many), Errc::incompatible);
+  Motion broken = *rest;
+  broken.values[7] = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_EQ(code(broken, made().options()), Errc::input);
+  Progress stopped;
+  stopped.cancel();
+  EXPECT_EQ(fit_flame(made().model, *rest, {}, {}, made().options(), stopped).error().code, Errc::cancelled);
+}
+
+/// A second of ARKit curves in which jaw, mouth, lids and brows move at rates of their own.
+Motion arkit_curves(const std::vector<Blendshape>& shapes) {
+  Motion motion{MotionSpace::arkit, {}, 60, {}};
+  for (const auto& shape : shapes) motion.channels.push_back(shape.name);
+  for (int n = 0; n < 60; ++n)
+    for (std::size_t c = 0; c < shapes.size(); ++c) {
+      const double phase = 0.7 * static_cast<double>(c), rate = 0.08 + 0.004 * static_cast<double>(c % 9);
+      const double strength = shapes[c].name == "jawOpen" ? 0.7 : shapes[c].name == "jawForward" ? 0.1 : 0.3;
+      motion.values.push_back(static_cast<float>(strength * (0.5 - 0.5 * std::cos(rate * n + phase))));
+    }
+  return motion;
+}
+
+Motion performed(const CharacterPart& face, const std::vector<Blendshape>& shapes, const Motion& curves) {
+  Motion motion = vertex_motion({"made", static_cast<std::int64_t>(face.mesh.positions.size())}, curves.fps);
+  std::vector<Vec3> frame(face.mesh.positions.size());
+  for (std::int64_t n = 0; n < curves.num_frames(); ++n) {
+    evaluate_blendshapes(face.mesh.positions, shapes, curves.frame(n), frame);
+    for (const Vec3& p : frame) motion.values.insert(motion.values.end(), {p.x, p.y, p.z});
+  }
+  return motion;
+}
+
+// What is lost on the way there and back; the figures are those of docs/probtalk3d.md.
+TEST(FlameFit, ArkitCurvesComeBackFromFlame) {
+  const CharacterPart& skin = made().skin;
+  std::vector<Blendshape> shapes;
+  for (const Blendshape& shape : skin.shapes)
+    if (!shape.vertices.empty() && !shape.name.starts_with("eyeLook") && shape.name != "tongueOut")
+      shapes.push_back(shape);
+  const Motion curves = arkit_curves(shapes), there = performed(skin, shapes, curves);
+  Progress progress;
+  const auto& regions = test::built_head().character.regions;
+  const auto flame = fit_flame(made().model, there, {}, regions, made().options(), progress);
+  ASSERT_TRUE(flame) << flame.error().message();
+  const auto face = flame_vertices(made().poser, flame->parameters, 2);
+  ASSERT_TRUE(face) << face.error().message();
+  const auto back =
+      fit_coefficients(skin.mesh.positions, shapes, *face, regions, {.num_threads = 2}, progress);
+  ASSERT_TRUE(back) << back.error().message();
+  double error = 0, largest = 0;
+  for (std::size_t i = 0; i < curves.values.size(); ++i) {
+    const double miss =
+        std::abs(static_cast<double>(back->coefficients.values[i]) - static_cast<double>(curves.values[i]));
+    error += miss / static_cast<double>(curves.values.size());
+    largest = std::max(largest, miss);
+  }
+  const Motion again = performed(skin, shapes, back->coefficients);
+  double squares = 0, farthest = 0;
+  for (std::size_t i = 0; i < again.values.size(); i += 3) {
+    double square = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double miss = static_cast<double>(again.values[i + k]) - static_cast<double>(there.values[i + k]);
+      square += miss * miss;
+    }
+    squares += square;
+    farthest = std::max(farthest, std::sqrt(square));
+  }
+  const double whole = std::sqrt(squares / (static_cast<double>(again.values.size()) / 3));
+  std::printf("ARKit to FLAME: mean %.3f mm, worst frame %.3f mm, lips %.3f mm, %d steps\n",
+              1000 * mean(flame->residual), 1000 * most(flame->residual),
+              1000 * mean(flame->region_residual.at("lips")), flame->num_iterations);
+  std::printf("FLAME to ARKit: mean %.3f mm, worst frame %.3f mm, lips %.3f mm\n",
+              1000 * mean(back->residual), 1000 * most(back->residual),
+              1000 * mean(back->region_residual.at("lips")));
+  std::printf("there and back: rms %.3f mm, farthest vertex %.3f mm, curves %.4f mean, %.3f most\n",
+              1000 * whole, 1000 * farthest, error, largest);
+  EXPECT_LT(mean(flame->residual), 1e-3);
+  EXPECT_LT(mean(back->residual), 1e-3);
+  EXPECT_LT(whole, 0.3e-3);
+  EXPECT_LT(error, 0.07) << "shapes that look alike take each other's part";
+}
+
+}  // namespace
+}  // namespace mien

@@ -78,10 +78,9 @@ Status write_whole(const AnimatePlan& p, const ClipPlan& clip, const Output& out
                       {.character_glb = p.character_glb, .audio_name = clip.audio_name(), .glb = {}});
 }
 
-// Vertices of a FLAME model, or coefficients of a rig, for the parameters of a take.
-Result<Motion> face_of_flame(const AnimateArguments& a, const AnimatePlan& p, const Motion& parameters,
-                             int take, ConsoleProgress& progress) {
-  if (p.flame_face == FlameFace::vertices) return flame_vertices(FlamePoser(*p.flame), parameters, a.threads);
+// Coefficients of a rig for the FLAME parameters of a take.
+Result<Motion> curves_of_flame(const AnimateArguments& a, const AnimatePlan& p, const Motion& parameters,
+                               int take, ConsoleProgress& progress) {
   MIEN_TRY(FitResult fitted, p.flame_rig->curves(parameters, a.fps > 0 ? a.fps : kCurvesFps, progress));
   double sum = 0;
   for (const double r : fitted.residual) sum += r;
@@ -90,6 +89,15 @@ Result<Motion> face_of_flame(const AnimateArguments& a, const AnimatePlan& p, co
                "oefficients of the rig leave " + fixed(mm, 3) + " mm of FLAME's movement (root mean square)");
   progress.event("fitted", "\"take\":" + std::to_string(take + 1) + ",\"residual_mm\":" + fixed(mm, 6));
   return std::move(fitted.coefficients);
+}
+
+// What an output shows that is not the model's own motion.
+Result<Motion> derived(const AnimateArguments& a, const AnimatePlan& p, const Motion& motion, int take,
+                       ConsoleProgress& progress) {
+  if (p.flame_face == FlameFace::rig) return curves_of_flame(a, p, motion, take, progress);
+  if (p.flame_face == FlameFace::none) return on_other_face(motion, *p.mesh, p.other_face);
+  MIEN_TRY(Motion vertices, flame_vertices(FlamePoser(*p.flame), motion, a.threads));
+  return on_other_face(std::move(vertices), *p.mesh, p.other_face);
 }
 
 // All outputs of all takes: first the files that are only to be finished, then those that need the whole
@@ -104,15 +112,15 @@ Status write_outputs(const AnimateArguments& a, const AnimatePlan& p, const Clip
   }
   for (const bool pictures : {false, true})
     for (int take = 0; take < a.takes; ++take) {
-      std::optional<Motion> made;  // of this take's FLAME parameters, for the first output that needs it
+      std::optional<Motion> made;  // of this take, for the first output that is derived
       for (const Output& output : clip.of_take(take, a.takes)) {
         if (output.is_picture() != pictures || TakeFiles::is_streamed(output)) continue;
         const Motion& motion = takes[static_cast<std::size_t>(take)].motion();
-        if (output.made_of_flame && !made) {
-          MIEN_TRY(made, face_of_flame(a, p, motion, take, progress));
+        if (output.is_derived && !made) {
+          MIEN_TRY(made, derived(a, p, motion, take, progress));
         }
         const Status written =
-            write_whole(p, clip, output, output.made_of_flame ? *made : motion, sound, progress);
+            write_whole(p, clip, output, output.is_derived ? *made : motion, sound, progress);
         if (!written) return written.error();
         for (const auto& warning : written.warnings)
           if (take == 0) progress.warn(p.mesh ? warning : output.path.string() + ": " + warning);

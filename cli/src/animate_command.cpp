@@ -166,6 +166,7 @@ void add_animate_command(CLI::App& program, Chosen& chosen) {
                       "any --character, "
                       "by the coefficients of this one that come closest to its vertices");
   add_vertex_options(*command, a->vertices);
+  add_other_face_options(*command, a->vertices);
   add_threads_option(*command, a->threads);
   add_console_options(*command, chosen);
   add_footer(

@@ -78,6 +78,19 @@ Status plan_mesh(const AnimateArguments& a, const ModelFile& model, AnimatePlan&
   return status;
 }
 
+// The face that --face names moves in the mesh's place, in all outputs.
+Status plan_other_face(AnimatePlan& p) {
+  if (p.vertices.face.empty()) return Done{};
+  if (!p.mesh)
+    return Error{Errc::usage, "--face", "is for models that move vertices, and for --flame",
+                 "Pass a face with shapes as --character instead"};
+  MIEN_TRY(p.other_face, other_face(p.vertices, *p.mesh));
+  if (p.flame_face == FlameFace::none)
+    for (ClipPlan& clip : p.clips)
+      for (Output& output : clip.outputs) output.is_derived = true;
+  return Done{};
+}
+
 // A model that gives FLAME parameters, and the FLAME model that makes a face of them, if there is one.
 Status plan_flame(const AnimateArguments& a, const ModelFile& model, AnimatePlan& p) {
   if (model.output.space != "flame") {
@@ -178,8 +191,9 @@ Status plan_clips(const AnimateArguments& a, bool moves_vertices, AnimatePlan& p
                                  OutputKind::meshes};
   const std::span<const OutputKind> kinds = std::span(kAll).first(moves_vertices || p.flame ? 5 : 4);
   std::vector<fs::path> inputs(a.speech.begin(), a.speech.end());
-  for (const fs::path& other : {p.model_path, p.character_path, fs::path(a.vertices.mesh),
-                                fs::path(a.said.init), fs::path(a.flame), fs::path(a.flame_rig)})
+  for (const fs::path& other :
+       {p.model_path, p.character_path, fs::path(a.vertices.mesh), fs::path(a.said.init), fs::path(a.flame),
+        fs::path(a.flame_rig), fs::path(a.vertices.face)})
     inputs.push_back(other);
   for (const std::string& speech : a.speech) {
     std::vector<std::string> names;
@@ -240,6 +254,7 @@ Result<AnimatePlan> plan_animation(const AnimateArguments& a) {
   Status mesh = Done{};
   if (moves_vertices) mesh = plan_mesh(a, model, p);
   if (!mesh) return mesh.error();
+  MIEN_TRY([[maybe_unused]] const auto face, plan_other_face(p));
   Result<AnimatePlan> plan(std::move(p));
   plan.warnings = directed.warnings;
   plan.warnings.insert(plan.warnings.end(), mesh.warnings.begin(), mesh.warnings.end());

@@ -62,6 +62,7 @@ struct AnimatePlan {
   std::optional<Mesh> mesh;            ///< of a model that moves vertices, which needs no character
   VertexOptions vertices;              ///< of that mesh
   FlameFace flame_face = FlameFace::none;
+  std::optional<Mesh> other_face;         ///< moves in place of that mesh
   std::optional<FlameModel> flame;        ///< makes the vertices, of the parameters that the model gives
   std::optional<FlameRig> flame_rig;      ///< makes coefficients of them
   std::int64_t num_flame_parameters = 0;  ///< of a model that gives them where nothing makes a face of them

@@ -6,7 +6,7 @@ Status plan_flame_outputs(std::span<Output> outputs, FlameFace face) {
   for (Output& output : outputs) {
     const auto extension = output.path.extension();
     const bool is_text = output.kind == OutputKind::motion && (extension == ".csv" || extension == ".json");
-    output.made_of_flame = face == FlameFace::rig || (face == FlameFace::vertices && !is_text);
+    output.is_derived = face == FlameFace::rig || (face == FlameFace::vertices && !is_text);
     if (face == FlameFace::none && (output.kind != OutputKind::motion || output.is_glb()))
       return Error{Errc::usage, "output '" + output.path.string() + "'",
                    "shows a face, and this model gives FLAME parameters",

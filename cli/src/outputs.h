@@ -19,8 +19,9 @@ enum class OutputKind {
 struct Output {
   std::filesystem::path path;
   OutputKind kind = OutputKind::motion;
-  /// Made of the FLAME parameters that the model gives: vertices, or coefficients of a rig.
-  bool made_of_flame = false;
+  /// Not what the model gives but made of all of it: vertices or coefficients of FLAME parameters, the
+  /// movement of another face.
+  bool is_derived = false;
 
   [[nodiscard]] bool is_picture() const { return kind != OutputKind::motion && kind != OutputKind::meshes; }
   [[nodiscard]] bool is_folder() const { return kind == OutputKind::frames || kind == OutputKind::meshes; }

@@ -85,10 +85,14 @@ Status draw_vertices(const Job& job, const std::vector<Motion>& motions, const M
                         job.pictures, progress);
 }
 
-Status render_vertices(const Job& job, ConsoleProgress& progress) {
+Status render_vertices(Job& job, ConsoleProgress& progress) {
   const auto mesh =
       job.flame_mesh ? Result<Mesh>(*job.flame_mesh) : vertex_mesh(job.vertices, job.motions.front());
   if (!mesh) return mesh.error();
+  MIEN_TRY(const auto face, other_face(job.vertices, *mesh));
+  for (Motion& motion : job.motions) {
+    MIEN_TRY(motion, on_other_face(std::move(motion), *mesh, face));
+  }
   const bool needs_triangles = job.output.kind != OutputKind::motion || job.output.is_glb();
   if (needs_triangles)
     for (const auto& warning : mesh.warnings) progress.warn(warning);
@@ -100,6 +104,9 @@ Status render_vertices(const Job& job, ConsoleProgress& progress) {
 // Coefficients move a character: into pictures, its .glb, or the positions of its vertices.
 Status render_curves(const Job& job, ConsoleProgress& progress) {
   const Motion& first = job.motions.front();
+  if (!job.vertices.face.empty())
+    return Error{Errc::usage, "--face", "is for motions of vertices and of FLAME parameters",
+                 "Coefficients move any face with such shapes: --character FACE"};
   if (job.output.is_glb()) {
     MIEN_TRY(const Bytes glb, character_glb(job.character_path));
     return write_motion(job.output.path, first, {.character_glb = glb, .audio_name = "", .glb = {}});
@@ -139,7 +146,8 @@ Result<Job> plan(const RenderArguments& a) {
   MIEN_TRY(job.character_path, character_path(a.character));
   constexpr OutputKind kKinds[] = {OutputKind::video, OutputKind::sheet, OutputKind::frames,
                                    OutputKind::motion, OutputKind::meshes};
-  std::vector<std::filesystem::path> inputs = {a.audio, job.character_path, a.vertices.mesh, a.flame};
+  std::vector<std::filesystem::path> inputs = {a.audio, job.character_path, a.vertices.mesh, a.vertices.face,
+                                               a.flame};
   inputs.insert(inputs.end(), a.motions.begin(), a.motions.end());
   MIEN_TRY(const auto outputs, plan_outputs({&a.output, 1}, inputs, kKinds));
   job.output = outputs.front();
@@ -245,6 +253,7 @@ void add_render_command(CLI::App& program, Chosen& chosen) {
   command->add_option("--flame", a->flame,
                       "FLAME model (generic_model.pkl or .npz) for motions of FLAME parameters");
   add_vertex_options(*command, a->vertices);
+  add_other_face_options(*command, a->vertices);
   command
       ->add_option("--motion-fps", a->motion_fps, "Frames a second of a MOTION that does not say, 1 to 240")
       ->check(CLI::Range(1.0, 240.0));

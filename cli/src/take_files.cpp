@@ -3,7 +3,7 @@
 namespace mien {
 
 bool TakeFiles::is_streamed(const Output& output) {
-  return output.kind == OutputKind::motion && !output.made_of_flame && MotionWriter::can_write(output.path);
+  return output.kind == OutputKind::motion && !output.is_derived && MotionWriter::can_write(output.path);
 }
 
 Result<TakeFiles> TakeFiles::create(std::span<const Output> outputs, const Motion& format, double fps,

@@ -22,4 +22,15 @@ void add_vertex_options(CLI::App& command, VertexOptions& options) {
                    "A motion of vertices has y down and z into the face (BIWI as recorded, FaceXHuBERT)");
 }
 
+void add_other_face_options(CLI::App& command, VertexOptions& options) {
+  auto* face = command.add_option(
+      "--face", options.face,
+      "Another face of the same topology (.obj .ply or a character), in the units of the motion, which moves "
+      "as the motion does away from its neutral face: the FLAME model's, or that of --mesh");
+  command
+      .add_flag("--face-z-up", options.face_z_up,
+                "The file of --face has z up and y into the face, as modelling programs write it")
+      ->needs(face);
+}
+
 }  // namespace mien

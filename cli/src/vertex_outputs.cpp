@@ -4,6 +4,7 @@
 #include "mien/base/file.h"
 #include "mien/base/number_text.h"
 #include "mien/console/console_exit.h"
+#include "mien/face/carried_movement.h"
 #include "mien/face/vertex_basis.h"
 #include "mien/io/gltf_animation.h"
 #include "mien/io/gltf_writer.h"
@@ -119,6 +120,29 @@ Result<Mesh> vertex_mesh(const VertexOptions& options, const Motion& motion) {
   result.warnings.emplace_back("no triangles are known for " + std::to_string(count) +
                                " vertices: they are points. Pass --mesh FILE with the data set's template");
   return result;
+}
+
+Result<std::optional<Mesh>> other_face(const VertexOptions& options, const Mesh& rest) {
+  if (options.face.empty()) return std::optional<Mesh>();
+  if (rest.triangles.empty())
+    return Error{Errc::usage, "--face", "needs the neutral face that the motion moves away from",
+                 "Pass --mesh FILE with the template of the data set"};
+  MIEN_TRY(Mesh face, load_mesh(options.face));
+  if (face.positions.size() != rest.positions.size())
+    return Error{
+        Errc::incompatible, "--face '" + options.face + "'",
+        "has " + std::to_string(face.positions.size()) + " vertices, the motion moves " +
+            std::to_string(rest.positions.size()),
+        "Pass a face of the same topology; another one moves by its shapes: mien fit, mien transfer"};
+  if (options.face_z_up) turn_z_up(face);
+  return std::optional<Mesh>(std::move(face));
+}
+
+Result<Motion> on_other_face(Motion motion, const Mesh& rest, const std::optional<Mesh>& face) {
+  if (!face) return motion;
+  std::vector<float> neutral;
+  for (const Vec3& p : rest.positions) neutral.insert(neutral.end(), {p.x, p.y, p.z});
+  return carry_movement(motion, neutral, *face);
 }
 
 Status write_vertex_output(const Output& output, const Motion& motion, const Mesh& mesh,

@@ -17,6 +17,14 @@ namespace mien {
 /// Errors: those of load_mesh(); Errc::incompatible for a mesh with another number of vertices.
 Result<Mesh> vertex_mesh(const VertexOptions& options, const Motion& motion);
 
+/// The face that --face names, in the axes of the motion; nothing where none is named.
+/// @param rest  what the motion moves away from. Errors: those of load_mesh(); Errc::incompatible for another
+/// number of vertices; Errc::usage where the neutral face is not known: `rest` has no triangles.
+Result<std::optional<Mesh>> other_face(const VertexOptions& options, const Mesh& rest);
+
+/// A motion of vertices on that face, by carry_movement(); as it is where none is named.
+Result<Motion> on_other_face(Motion motion, const Mesh& rest, const std::optional<Mesh>& face);
+
 /// What else an output may need.
 struct VertexShow {
   PictureOptions pictures;

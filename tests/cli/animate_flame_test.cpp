@@ -5,6 +5,7 @@
 #include "mien/base/file.h"
 #include "mien/io/character_file.h"
 #include "mien/io/gltf_writer.h"
+#include "mien/io/mesh_file.h"
 #include "mien/io/motion_file.h"
 #include "mien/io/npy.h"
 #include "mien/models/probtalk3d/conventions.h"
@@ -160,6 +161,25 @@ TEST_F(AnimateFlameTest, MovesAnyCharacterThroughTheRig) {
   EXPECT_EQ(face({"--character", "rig.glb", "-o", "a.csv"}).exit_code, 2) << "no FLAME model";
   EXPECT_EQ(face({"--flame", "made.pkl", "--flame-rig", "hero.glb", "-o", "a.csv"}).exit_code, 4);
   EXPECT_EQ(animate({"--flame-rig", "rig.glb"}).exit_code, 2);
+}
+
+TEST_F(AnimateFlameTest, MovesAnotherFaceOfItsTopology) {
+  write_rig();
+  Mesh other = sheet_face(11, 11).parts.front().mesh;
+  for (Vec3& p : other.positions) p.z += 0.5f;
+  write("other.obj", write_obj(other));
+  const auto with = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> words = {"--flame", "made.pkl"};
+    words.insert(words.end(), more.begin(), more.end());
+    return face(words).exit_code;
+  };
+  ASSERT_EQ(with({"-o", "own.npy"}), 0);
+  ASSERT_EQ(with({"--face", "other.obj", "-o", "other.npy", "-o", "other.glb"}), 0);
+  const auto own = read_motion(in_folder("own.npy")), moved = read_motion(in_folder("other.npy"));
+  ASSERT_TRUE(own && moved);
+  for (std::size_t i = 0; i < own->values.size(); ++i)
+    EXPECT_NEAR(moved->values[i], own->values[i] + (i % 3 == 2 ? 0.5f : 0.0f), 1e-6);
+  EXPECT_EQ(with({"--face", "other.obj", "--character", "rig.glb", "-o", "a.glb"}), 2);
 }
 
 TEST_F(AnimateFlameTest, RefusesWhatDoesNotFit) {

@@ -79,6 +79,46 @@ TEST_F(SequenceTest, VerticesWithoutTrianglesArePoints) {
   EXPECT_EQ(mien({"render", "wave.npy", "--mesh", "triangle.obj", "-o", "a.glb"}).exit_code, 4);
 }
 
+// face + (frame - template), vertex by vertex.
+TEST_F(SequenceTest, AnotherFaceMovesInTheMeshsPlace) {
+  Mesh other = load_mesh(in_folder("square.obj")).value();
+  for (Vec3& p : other.positions) p = {2 * p.x, p.y, 0.1f * p.x + 1};
+  write("other.obj", write_obj(other));
+  const auto moved = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> words = {"render", "wave.npy", "--motion-fps", "30"};
+    words.insert(words.end(), more.begin(), more.end());
+    return mien(words);
+  };
+  const auto run = moved({"--mesh", "square.obj", "--face", "other.obj", "-o", "moved.npy"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto got = read_motion(in_folder("moved.npy")), wave = read_motion(in_folder("wave.npy"));
+  ASSERT_TRUE(got && wave);
+  for (std::size_t v = 0; v < other.positions.size(); ++v) {
+    const float x = 0.1f * static_cast<float>(v % kSide);
+    EXPECT_NEAR(got->frame(3)[3 * v], 2 * x, 1e-6);
+    EXPECT_NEAR(got->frame(3)[3 * v + 2], wave->frame(3)[3 * v + 2] + 0.1f * x + 1, 1e-6);
+  }
+  // As a modelling program writes it: y into the face, z up.
+  for (Vec3& p : other.positions) p = {p.x, -p.z, p.y};
+  write("z_up.obj", write_obj(other));
+  ASSERT_EQ(
+      moved({"--mesh", "square.obj", "--face", "z_up.obj", "--face-z-up", "-o", "turned.npy"}).exit_code, 0);
+  EXPECT_EQ(read_motion(in_folder("turned.npy"))->values, got->values);
+  EXPECT_EQ(
+      moved({"--mesh", "square.obj", "--face", "other.obj", "-o", "moved.png", "--size", "32"}).exit_code, 0);
+
+  EXPECT_EQ(moved({"--mesh", "square.obj", "--face-z-up", "-o", "a.npy"}).exit_code, 2);
+  EXPECT_EQ(moved({"--mesh", "square.obj", "--face", "no.obj", "-o", "a.npy"}).exit_code, 3);
+  const auto unknown = moved({"--face", "other.obj", "-o", "a.npy"});
+  EXPECT_EQ(unknown.exit_code, 2);
+  EXPECT_THAT(unknown.err, HasSubstr("--mesh"));
+  write("triangle.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  EXPECT_EQ(moved({"--mesh", "square.obj", "--face", "triangle.obj", "-o", "a.npy"}).exit_code, 4);
+  ASSERT_EQ(animate({"-o", "a.csv"}).exit_code, 0);
+  EXPECT_EQ(mien({"render", "a.csv", "--face", "other.obj", "-o", "a.png"}).exit_code, 2);
+  EXPECT_EQ(animate({"--face", "other.obj", "-o", "b.csv"}).exit_code, 2);
+}
+
 TEST_F(SequenceTest, VerticesAreDrawnAndWrittenFrameByFrame) {
   const std::vector<std::string> common = {"render",       "wave.npy", "--mesh", "square.obj",
                                            "--motion-fps", "30",       "-o"};

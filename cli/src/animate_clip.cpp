@@ -157,9 +157,9 @@ Result<OpenClip> open_clip(const AnimateArguments& a, const AnimatePlan& p, cons
   return OpenClip{std::move(speech), std::move(takes)};
 }
 
-// From the last frame to the files. @return seconds of speech
-Result<double> finish_clip(const AnimateArguments& a, const AnimatePlan& p, const ClipPlan& clip,
-                           OpenClip& open, const Status& performed, ConsoleProgress& progress) {
+// After the last frame: the takes are whole.
+Status end_clip(const AnimateArguments& a, const ClipPlan& clip, OpenClip& open, const Status& performed,
+                ConsoleProgress& progress) {
   const std::string what = "animating '" + clip.speech.string() + "'";
   if (!performed) return within(performed.error(), what);
   for (const auto& warning : performed.warnings) progress.warn(warning);
@@ -171,6 +171,13 @@ Result<double> finish_clip(const AnimateArguments& a, const AnimatePlan& p, cons
   }
   for (TakeFiles& take : open.takes)
     if (const Status ended = take.end(); !ended) return within(ended.error(), what);
+  return Done{};
+}
+
+// From the last frame to the files. @return seconds of speech
+Result<double> finish_clip(const AnimateArguments& a, const AnimatePlan& p, const ClipPlan& clip,
+                           OpenClip& open, const Status& performed, ConsoleProgress& progress) {
+  MIEN_TRY([[maybe_unused]] const auto ended, end_clip(a, clip, open, performed, progress));
   MIEN_TRY(const auto sound, sound_for(clip));
   MIEN_TRY([[maybe_unused]] const auto written,
            write_outputs(a, p, clip, open.takes, sound ? &*sound : nullptr, progress));
@@ -231,6 +238,39 @@ std::vector<Result<double>> animate_clips(const AnimateArguments& a, const Anima
   for (std::size_t i = 0; i < clips.size(); ++i)
     seconds.push_back(open[i] ? finish_clip(a, p, clips[i], *open[i], performed[i], progress)
                               : Result<double>(open[i].error()));
+  return seconds;
+}
+
+Result<double> show_emotions(const AnimateArguments& a, AnimatePlan& p, const Performer& performer,
+                             const std::vector<std::string>& emotions, ConsoleProgress& progress) {
+  const ClipPlan& clip = p.clips.front();
+  std::vector<Motion> motions;
+  double seconds = 0;
+  for (const std::string& emotion : emotions) {
+    MIEN_TRY([[maybe_unused]] const auto planned, plan_emotion(a, emotion, p));
+    MIEN_TRY(OpenClip open, open_clip(a, p, performer, clip));
+    const Status performed = perform(a, p, performer, open.speech, open.takes, progress);
+    MIEN_TRY([[maybe_unused]] const auto ended, end_clip(a, clip, open, performed, progress));
+    const TakeFiles& take = open.takes.front();
+    seconds = take.seconds();
+    motions.push_back(take.motion());
+    if (clip.outputs.front().is_derived) {
+      MIEN_TRY(motions.back(), derived(a, p, take.motion(), 0, progress));
+    }
+  }
+  MIEN_TRY(const auto sound, sound_for(clip));
+  PictureOptions pictures = p.pictures;
+  pictures.labels = emotions;
+  std::vector<const Motion*> shown;
+  for (const Motion& motion : motions) shown.push_back(&motion);
+  for (const Output& output : clip.outputs) {
+    const AudioClip* heard = sound ? &*sound : nullptr;
+    const Status drawn =
+        p.mesh ? write_vertex_pictures(output, motions, *p.mesh, p.vertices, heard, pictures, progress)
+               : write_pictures(output, shown, *p.character, heard, pictures, progress);
+    if (!drawn) return drawn.error();
+    for (const auto& warning : drawn.warnings) progress.warn(warning);
+  }
   return seconds;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 #include <span>
+#include <string>
 #include <variant>
 #include <vector>
 
@@ -29,5 +30,11 @@ std::size_t num_clips_together(const AnimateArguments& arguments, const Performe
 std::vector<Result<double>> animate_clips(const AnimateArguments& arguments, const AnimatePlan& plan,
                                           const Performer& performer, std::span<const ClipPlan> clips,
                                           ConsoleProgress& progress);
+
+/// Animates one take of a recording and draws several emotions of it together into the outputs of the plan's
+/// clip: a sheet with a row for each (motion_sheet()), films and numbered pictures side by side.
+/// @param plan  its emotion is changed @return seconds of speech. Errors: as animate_clips()
+Result<double> show_emotions(const AnimateArguments& arguments, AnimatePlan& plan, const Performer& performer,
+                             const std::vector<std::string>& emotions, ConsoleProgress& progress);
 
 }  // namespace mien

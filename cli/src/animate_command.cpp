@@ -91,6 +91,7 @@ Status run_animate(const AnimateArguments& a, ConsoleProgress& progress) {
   auto plan = plan_animation(a);
   if (!plan) return plan.error();
   for (const auto& warning : plan.warnings) progress.warn(warning);
+  MIEN_TRY(const auto emotions, planned_emotions(a, *plan));
   if (a.speech.size() == 1) {
     MIEN_TRY([[maybe_unused]] const auto readable, AudioReader::open(a.speech.front()));
   }
@@ -102,7 +103,8 @@ Status run_animate(const AnimateArguments& a, ConsoleProgress& progress) {
 
   const ClipPlan& clip = plan->clips.front();
   MIEN_TRY(const double seconds,
-           std::move(animate_clips(a, *plan, performer, plan->clips, progress).front()));
+           emotions.empty() ? std::move(animate_clips(a, *plan, performer, plan->clips, progress).front())
+                            : show_emotions(a, *plan, performer, emotions, progress));
   const double taken = seconds_since(start);
   progress.event("success", outcome_json(clip.outputs, seconds, taken, a.words.seed));
   progress.say(outcome_text(output_list(clip.outputs), seconds, taken, a.words.seed));
@@ -139,6 +141,10 @@ void add_animate_command(CLI::App& program, Chosen& chosen) {
       "intensity :0.0 to :1.0; or a .csv or .json file: time,emotion,intensity[,style]. Default: neutral. "
       "FaceXHuBERT: neutral or expressive, which is its default. ProbTalk3D: levels 1 to 3 or low, medium, "
       "high");
+  command->add_option("--emotions", a->emotions,
+                      "Several emotions in one picture or film: all, all:3 (with a level), or "
+                      "happy:1,happy:3,sad. A .png has a "
+                      "row for each and a column for each of --times; films show them side by side");
   command->add_option(
       "--style", a->words.style,
       "Manner of a speaker, S00 to S11. Default: none in particular. Published models: one of their "
@@ -154,6 +160,14 @@ void add_animate_command(CLI::App& program, Chosen& chosen) {
       ->check(CLI::Range(1.0, 240.0));
   command->add_option("--size", a->size, "Pixels of pictures: 512 or 640x480")->capture_default_str();
   command->add_option("--view", a->view, "front, portrait, three-quarter, side or mouth")
+      ->capture_default_str();
+  command->add_option("--times", a->times,
+                      "Instants of a .png in seconds: 0.5,1.25. Default: evenly spread, twelve, or six of "
+                      "several emotions");
+  command
+      ->add_option("--columns", a->columns,
+                   "Pictures in a row of a .png, faces in a row of several side by side, 1 to 64")
+      ->check(CLI::Range(1, 64))
       ->capture_default_str();
   command->add_flag("--allow-silence", a->allow_silence, "Animate a silent recording too: a face at rest");
   command->add_option(
@@ -175,6 +189,7 @@ void add_animate_command(CLI::App& program, Chosen& chosen) {
       "  mien animate lines/*.wav -o takes/ --takes 3\n"
       "  mien animate a.wav b.wav -o '{name}.csv' -o '{name}.mp4'\n"
       "  mien animate hello.wav -o hello.glb -o hello.csv -o hello.mp4 --emotion happy:2 --seed 7\n"
+      "  mien animate hello.wav --emotions all:3 --times 0.4,0.8,1.2 -o emotions.png -o emotions.mp4\n"
       "  mien animate hello.wav --model biwi.safetensors --subject M3 --skip 450 -o hello.npy\n"
       "  mien animate hello.wav --model said.safetensors --steps 50 --guidance 2 -o hello.said.csv\n"
       "  mien animate hello.wav --model probtalk3d.safetensors --style W028 --emotion happy:3 --takes 10 "

@@ -5,6 +5,7 @@
 #include <map>
 
 #include "character_source.h"
+#include "mien/core/emotion.h"
 #include "mien/core/flame_parameters.h"
 #include "mien/face/flame.h"
 #include "mien/io/character_file.h"
@@ -242,6 +243,10 @@ Result<AnimatePlan> plan_animation(const AnimateArguments& a) {
   if (!size) return size.error();
   p.pictures = {.width = size->first, .height = size->second, .threads = a.threads};
   if (a.fps > 0) p.pictures.fps = a.fps;
+  if (!a.times.empty()) {
+    MIEN_TRY(p.pictures.times, parse_times(a.times));
+  }
+  p.pictures.columns = a.columns;
   MIEN_TRY([[maybe_unused]] const auto view, check_view(a.view));
   p.pictures.view = a.view;
   if (a.model.empty()) {
@@ -259,6 +264,58 @@ Result<AnimatePlan> plan_animation(const AnimateArguments& a) {
   plan.warnings = directed.warnings;
   plan.warnings.insert(plan.warnings.end(), mesh.warnings.begin(), mesh.warnings.end());
   return plan;
+}
+
+Result<std::vector<std::string>> planned_emotions(const AnimateArguments& a, const AnimatePlan& p) {
+  std::vector<std::string> emotions, known;
+  if (a.emotions.empty()) return emotions;
+  const auto refusal = [](std::string what, std::string why, std::string fix) {
+    return Error{Errc::usage, std::move(what), std::move(why), std::move(fix)};
+  };
+  if (!a.words.emotion.empty())
+    return refusal("--emotion", "is one, --emotions are several", "Pass one of them");
+  if (a.speech.size() > 1) return refusal("--emotions", "are shown of one recording", "Pass one SPEECH");
+  if (a.takes > 1) return refusal("--emotions", "are shown in one take each", "Leave --takes out");
+  for (const Output& output : p.clips.front().outputs)
+    if (!output.is_picture())
+      return refusal("output '" + output.path.string() + "'", "holds one emotion; --emotions shows several",
+                     "Write .png, .mp4, .webm or a folder/ of pictures, or use --emotion");
+  if (p.system == AnimatePlan::System::standard) {
+    known.assign(emotion_names().begin(), emotion_names().end());
+  } else {
+    MIEN_TRY(const ModelFile model, describe(a.model));
+    known = model.emotions;
+  }
+  if (known.empty())
+    return refusal("--emotions", "mean nothing to this model: it knows none", "Leave it out");
+  if (a.emotions == "all" || a.emotions.starts_with("all:")) {
+    for (const std::string& name : known)
+      emotions.push_back(name == "neutral" ? name : name + a.emotions.substr(3));
+    return emotions;
+  }
+  for (std::size_t at = 0; at <= a.emotions.size();) {
+    const std::size_t end = std::min(a.emotions.find(',', at), a.emotions.size());
+    emotions.push_back(a.emotions.substr(at, end - at));
+    const std::string name = emotions.back().substr(0, emotions.back().find(':'));
+    if (std::find(known.begin(), known.end(), name) == known.end()) {
+      std::string list;
+      for (const std::string& one : known) list += (list.empty() ? "" : ", ") + one;
+      return refusal("--emotions '" + a.emotions + "'", "'" + name + "' is not one of the model's",
+                     "Known: all, " + list);
+    }
+    at = end + 1;
+  }
+  return emotions;
+}
+
+Status plan_emotion(const AnimateArguments& a, const std::string& emotion, AnimatePlan& p) {
+  AnimateArguments other = a;
+  other.words.emotion = emotion;
+  ModelFile model;
+  if (!a.model.empty()) {
+    MIEN_TRY(model, describe(a.model));
+  }
+  return direct(other, model, p);
 }
 
 Status prepare_outputs(AnimatePlan& p, ConsoleProgress& progress) {

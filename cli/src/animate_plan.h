@@ -32,7 +32,10 @@ struct AnimateArguments {
   VertexOptions vertices;
   int takes = 1;
   double fps = 0;  ///< 0: 60 for motion, 30 for pictures
-  std::string size = "512", view = "portrait";
+  std::string size = "512", view = "portrait", times;
+  int columns = 4;
+  std::string
+      emotions;  ///< to show together: "all", "all:3", or a list apart by commas; empty: --emotion alone
   bool allow_silence = false;
   int threads = hardware_threads();
 };
@@ -76,6 +79,14 @@ struct AnimatePlan {
 /// the output be a folder, which gets NAME.glb (.npy for models that move vertices or FLAME parameters).
 /// Errors: Errc::usage; those of reading the model's description.
 Result<AnimatePlan> plan_animation(const AnimateArguments& arguments);
+
+/// The words of --emotions, one by one; none where it is not used. "all" stands for those of the model,
+/// "all:3" for the same with a level (but neutral). Errors (Errc::usage): what does not go with it
+/// (--emotion, several recordings or takes, outputs that are no pictures); a model without emotions, an
+/// emotion that it lacks.
+Result<std::vector<std::string>> planned_emotions(const AnimateArguments& arguments, const AnimatePlan& plan);
+/// The plan with another emotion than that of the arguments. Errors: those of plan_animation() for the word.
+Status plan_emotion(const AnimateArguments& arguments, const std::string& emotion, AnimatePlan& plan);
 
 /// Loads characters, makes folders and tries all places that will be written. Errors (Errc::failed): a place
 /// that cannot be written; those of load_character().

@@ -2,22 +2,35 @@
 
 #include "mien/base/number_text.h"
 #include "mien/render/motion_picture.h"
+#include "mien/render/motion_sheet.h"
 #include "mien/render/motion_video.h"
 #include "mien/render/png.h"
 
 namespace mien {
 namespace {
 
-constexpr int kSheetCells = 12;
+constexpr int kSheetCells = 12, kSheetColumns = 6;  // instants of one motion, and of several
 
-Status write_sheet(const std::filesystem::path& path, const MotionPicture& picture,
-                   const PictureOptions& options) {
-  std::vector<SheetCell> cells;
-  for (const double t : options.times) cells.push_back({t, ""});
-  if (cells.empty())
-    for (int i = 0; i < kSheetCells; ++i) cells.push_back({picture.seconds() * (i + 0.5) / kSheetCells, ""});
-  MIEN_TRY(const Image sheet, contact_sheet(picture, cells, options.columns, options.threads));
-  return write_png(path, sheet);
+Result<Image> draw_sheet(const Character& character, const std::vector<const Motion*>& motions,
+                         const MotionPicture& all, MotionPictureOptions look, const PictureOptions& options) {
+  std::vector<double> times = options.times;
+  const int count = motions.size() > 1 ? kSheetColumns : kSheetCells;
+  if (times.empty())
+    for (int i = 0; i < count; ++i) times.push_back(all.seconds() * (i + 0.5) / count);
+  if (motions.size() == 1 || times.size() == 1) {
+    std::vector<SheetCell> cells;
+    for (const double t : times) cells.push_back({t, ""});
+    return contact_sheet(all, cells, options.columns, options.threads);
+  }
+  look.labels.clear();
+  std::vector<MotionPicture> rows;
+  for (const Motion* motion : motions) {
+    MIEN_TRY(MotionPicture row, MotionPicture::create(character, {motion}, look));
+    rows.push_back(std::move(row));
+  }
+  std::vector<std::string> labels = options.labels;
+  labels.resize(motions.size());
+  return motion_sheet(rows, labels, times, options.threads);
 }
 
 }  // namespace
@@ -60,14 +73,20 @@ Status write_pictures(const Output& output, const std::vector<const Motion*>& mo
   look.shading.width = options.width;
   look.shading.height = options.height;
   look.labels = options.labels;
+  look.columns = options.columns;
   MIEN_TRY(look.view, parse_view(options.view));
   auto picture = MotionPicture::create(character, motions, look);
   if (!picture) return picture.error();
   const FilmOptions film{.fps = options.fps, .num_threads = options.threads};
-  Status status = output.kind == OutputKind::sheet ? write_sheet(output.path, *picture, options)
-                  : output.kind == OutputKind::frames
-                      ? write_motion_frames(output.path, *picture, film, progress)
-                      : write_motion_video(output.path, *picture, sound, film, progress);
+  Status status = Done{};
+  if (output.kind == OutputKind::sheet) {
+    MIEN_TRY(const Image sheet, draw_sheet(character, motions, *picture, look, options));
+    status = write_png(output.path, sheet);
+  } else if (output.kind == OutputKind::frames) {
+    status = write_motion_frames(output.path, *picture, film, progress);
+  } else {
+    status = write_motion_video(output.path, *picture, sound, film, progress);
+  }
   if (status)
     status.warnings.insert(status.warnings.begin(), picture.warnings.begin(), picture.warnings.end());
   return status;

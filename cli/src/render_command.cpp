@@ -59,30 +59,13 @@ Status check_together(const RenderArguments& a, const Output& output, std::span<
   return Done{};
 }
 
-// Motions of vertices in metres on their mesh.
-Result<std::vector<VertexStage>> staged(const Job& job, const std::vector<Motion>& motions,
-                                        const Mesh& mesh) {
-  std::vector<VertexStage> stages;
-  const LengthScale scale = length_scale(motions.front(), job.vertices.mm_per_unit);
-  for (const Motion& motion : motions) {
-    MIEN_TRY(
-        stages.emplace_back(),
-        stage_vertices(motion, mesh, scale, job.vertices.inverted ? DataAxes::inverted : DataAxes::upright));
-  }
-  return stages;
-}
-
 Status draw_vertices(const Job& job, const std::vector<Motion>& motions, const Mesh& mesh,
                      ConsoleProgress& progress) {
-  if (mesh.triangles.empty())
-    return Error{Errc::usage, "output '" + job.output.path.string() + "'", "a picture needs triangles",
-                 "Pass --mesh FILE with the template of the data set (.obj or .ply)"};
-  MIEN_TRY(const auto stages, staged(job, motions, mesh));
-  if (job.heat) return write_heat_map(job.output.path, stages, job.pictures.labels, *job.heat, job.pictures);
-  std::vector<const Motion*> shown;
-  for (const VertexStage& stage : stages) shown.push_back(&stage.motion);
-  return write_pictures(job.output, shown, stages.front().character, job.sound ? &*job.sound : nullptr,
-                        job.pictures, progress);
+  if (!job.heat)
+    return write_vertex_pictures(job.output, motions, mesh, job.vertices, job.sound ? &*job.sound : nullptr,
+                                 job.pictures, progress);
+  MIEN_TRY(const auto stages, staged(job.output, motions, mesh, job.vertices));
+  return write_heat_map(job.output.path, stages, job.pictures.labels, *job.heat, job.pictures);
 }
 
 Status render_vertices(Job& job, ConsoleProgress& progress) {
@@ -238,8 +221,10 @@ void add_render_command(CLI::App& program, Chosen& chosen) {
   auto* command = program.add_subcommand("render", "Put a motion on a face: a video, pictures or meshes");
   auto a = std::make_shared<RenderArguments>();
   command
-      ->add_option("MOTION", a->motions,
-                   "Motion file: .glb .csv .json .npy. Several are shown side by side, named by their files")
+      ->add_option(
+          "MOTION", a->motions,
+          "Motion file: .glb .csv .json .npy. Several are shown side by side, named by their files; in a "
+          "sheet of several instants each has a row")
       ->required();
   command
       ->add_option(
@@ -264,9 +249,13 @@ void add_render_command(CLI::App& program, Chosen& chosen) {
                       "Pixels of a picture: 512 or 640x480. Default: 512; 256 in a contact sheet");
   command->add_option("--view", a->view, "front, portrait, three-quarter, side or mouth")
       ->capture_default_str();
-  command->add_option("--times", a->times,
-                      "Instants of a contact sheet in seconds: 0.5,1.25. Default: twelve, evenly spread");
-  command->add_option("--columns", a->columns, "Pictures in a row of a contact sheet, 1 to 64")
+  command->add_option(
+      "--times", a->times,
+      "Instants of a contact sheet in seconds: 0.5,1.25. Default: evenly spread, twelve, or six of "
+      "several motions");
+  command
+      ->add_option("--columns", a->columns,
+                   "Pictures in a row of a contact sheet, faces in a row of several side by side, 1 to 64")
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
   command->add_option(
@@ -278,6 +267,7 @@ void add_render_command(CLI::App& program, Chosen& chosen) {
              "  mien render hello.glb --audio hello.wav -o hello.mp4\n"
              "  mien render predicted.npy --mesh template.obj -o predicted.glb --max-error 0.05\n"
              "  mien render hello.csv --view mouth --times 0.4,0.8,1.2 -o sheet.png\n"
+             "  mien render neutral.csv happy.csv sad.csv --times 0.4,0.8,1.2 -o emotions.png\n"
              "  mien render truth.npy model.npy --mesh template.obj --audio hello.wav -o both.mp4\n"
              "  mien render hello.npy --flame generic_model.pkl --audio hello.wav -o hello.mp4\n"
              "  mien render take-1.csv take-2.csv take-3.csv --heatmap std -o spread.png\n");

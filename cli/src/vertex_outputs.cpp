@@ -145,20 +145,40 @@ Result<Motion> on_other_face(Motion motion, const Mesh& rest, const std::optiona
   return carry_movement(motion, neutral, *face);
 }
 
+Result<std::vector<VertexStage>> staged(const Output& output, const std::vector<Motion>& motions,
+                                        const Mesh& mesh, const VertexOptions& options) {
+  if (mesh.triangles.empty())
+    return Error{Errc::usage, "output '" + output.path.string() + "'", "a picture needs triangles",
+                 "Pass --mesh FILE with the template of the data set (.obj or .ply)"};
+  std::vector<VertexStage> stages;
+  const LengthScale scale = length_scale(motions.front(), options.mm_per_unit);
+  for (const Motion& motion : motions) {
+    MIEN_TRY(stages.emplace_back(),
+             stage_vertices(motion, mesh, scale, options.inverted ? DataAxes::inverted : DataAxes::upright));
+  }
+  return stages;
+}
+
+Status write_vertex_pictures(const Output& output, const std::vector<Motion>& motions, const Mesh& mesh,
+                             const VertexOptions& options, const AudioClip* sound,
+                             const PictureOptions& pictures, Progress& progress) {
+  MIEN_TRY(const auto stages, staged(output, motions, mesh, options));
+  std::vector<const Motion*> shown;
+  for (const VertexStage& stage : stages) shown.push_back(&stage.motion);
+  return write_pictures(output, shown, stages.front().character, sound, pictures, progress);
+}
+
 Status write_vertex_output(const Output& output, const Motion& motion, const Mesh& mesh,
                            const VertexOptions& options, const VertexShow& show, ConsoleProgress& progress) {
   if (output.kind == OutputKind::meshes) return write_mesh_frames(output.path, motion, mesh, progress);
   if (output.kind == OutputKind::motion && !output.is_glb())
     return write_motion(output.path, motion, {.character_glb = {}, .audio_name = show.audio_name, .glb = {}});
-  if (output.is_picture() && mesh.triangles.empty())
-    return Error{Errc::usage, "output '" + output.path.string() + "'", "a picture needs triangles",
-                 "Pass --mesh FILE with the template of the data set (.obj or .ply)"};
+  if (output.is_picture())
+    return write_vertex_pictures(output, {motion}, mesh, options, show.sound, show.pictures, progress);
   const LengthScale scale = length_scale(motion, options.mm_per_unit);
   MIEN_TRY(VertexStage stage,
            stage_vertices(motion, mesh, scale, options.inverted ? DataAxes::inverted : DataAxes::upright));
-  if (output.is_glb())
-    return write_blendshapes(output.path, std::move(stage), scale, options, show, progress);
-  return write_pictures(output, stage.motion, stage.character, show.sound, show.pictures, progress);
+  return write_blendshapes(output.path, std::move(stage), scale, options, show, progress);
 }
 
 }  // namespace mien

@@ -1,6 +1,7 @@
 #pragma once
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "mien/console/console_progress.h"
 #include "mien/core/audio_clip.h"
@@ -31,6 +32,16 @@ struct VertexShow {
   const AudioClip* sound = nullptr;  ///< of a video; may be null
   std::string audio_name;            ///< stored in a .glb
 };
+
+/// Motions of one mesh in metres on it, for pictures. Errors: Errc::usage for a mesh without triangles; those
+/// of stage_vertices().
+Result<std::vector<VertexStage>> staged(const Output& output, const std::vector<Motion>& motions,
+                                        const Mesh& mesh, const VertexOptions& options);
+
+/// Draws them side by side: write_pictures(). Errors: those of staged() and write_pictures().
+Status write_vertex_pictures(const Output& output, const std::vector<Motion>& motions, const Mesh& mesh,
+                             const VertexOptions& options, const AudioClip* sound,
+                             const PictureOptions& pictures, Progress& progress);
 
 /// Writes a motion of vertices: a film, pictures, a .glb of blendshapes in metres (the error that they leave
 /// is stored in asset.extras and said on the terminal), numbered .obj or .vl frames, .npy or .json. Errors:

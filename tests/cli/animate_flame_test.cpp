@@ -10,6 +10,7 @@
 #include "mien/io/npy.h"
 #include "mien/models/probtalk3d/conventions.h"
 #include "mien/models/probtalk3d/network.h"
+#include "mien/render/png.h"
 #include "program.h"
 #include "sheet_face.h"
 #include "small_face_model.h"
@@ -161,6 +162,23 @@ TEST_F(AnimateFlameTest, MovesAnyCharacterThroughTheRig) {
   EXPECT_EQ(face({"--character", "rig.glb", "-o", "a.csv"}).exit_code, 2) << "no FLAME model";
   EXPECT_EQ(face({"--flame", "made.pkl", "--flame-rig", "hero.glb", "-o", "a.csv"}).exit_code, 4);
   EXPECT_EQ(animate({"--flame-rig", "rig.glb"}).exit_code, 2);
+}
+
+// All emotions of the model in one picture: a row each.
+TEST_F(AnimateFlameTest, ShowsItsEmotionsTogether) {
+  write_rig();
+  for (const std::vector<std::string>& more :
+       {std::vector<std::string>{"-o", "vertices.png"}, {"--character", "rig.glb", "-o", "curves.png"}}) {
+    std::vector<std::string> words = {"--flame", "made.pkl", "--emotions", "all:3",
+                                      "--times", "0.5,1",    "--size",     "40"};
+    words.insert(words.end(), more.begin(), more.end());
+    const auto run = face(words);
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+    const auto picture = read_png(in_folder(more.back()));
+    ASSERT_TRUE(picture);
+    EXPECT_EQ(picture->height(), 12 + 8 * 42);
+  }
+  EXPECT_EQ(face({"--emotions", "all:4", "--flame", "made.pkl", "-o", "a.png"}).exit_code, 2);
 }
 
 TEST_F(AnimateFlameTest, MovesAnotherFaceOfItsTopology) {

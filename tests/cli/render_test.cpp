@@ -31,6 +31,62 @@ TEST_F(ProgramTest, RenderDrawsWhatAnimateWrote) {
   EXPECT_LT(picture->height(), 60);
 }
 
+TEST_F(ProgramTest, SeveralMotionsHaveARowEach) {
+  ASSERT_EQ(animate({"-o", "a.json"}).exit_code, 0);
+  ASSERT_EQ(animate({"--emotion", "happy:3", "-o", "b.json"}).exit_code, 0);
+  const auto sheet = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> words = {"render", "a.json", "b.json", "-o", "s.png", "--size", "40"};
+    words.insert(words.end(), more.begin(), more.end());
+    const auto run = mien(words);
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    const auto picture = read_png(in_folder("s.png"));
+    return picture ? std::pair(picture->width(), picture->height()) : std::pair(0, 0);
+  };
+  EXPECT_EQ(sheet({"--times", "0.5,1,1.5"}), std::pair(6 + 12 + 3 * 42, 12 + 2 * 42));
+  EXPECT_EQ(sheet({}), std::pair(6 + 12 + 6 * 42, 12 + 2 * 42));
+  EXPECT_EQ(sheet({"--times", "0.5"}), std::pair(80, 40)) << "at one instant, side by side";
+  EXPECT_EQ(sheet({"--times", "0.5", "--columns", "1"}), std::pair(40, 80));
+  const auto film = mien({"render", "a.json", "b.json", "a.json", "--columns", "2", "-o", "frames/", "--size",
+                          "32", "--fps", "2"});
+  ASSERT_EQ(film.exit_code, 0) << film.err;
+  const auto frame = read_png(in_folder("frames") / "frame_000001.png");
+  ASSERT_TRUE(frame);
+  EXPECT_EQ(frame->width(), 64);
+  EXPECT_EQ(frame->height(), 64);
+}
+
+TEST_F(ProgramTest, EmotionsOfOneRecordingAreShownTogether) {
+  const auto run = animate({"--emotions", "neutral,happy:3", "--times", "0.5,1.5", "--size", "48", "-o",
+                            "e.png", "-o", "e.mp4", "--seed", "4"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_GT(bytes_of("e.mp4").size(), 1000u);
+  for (const char* emotion : {"neutral", "happy:3"})
+    ASSERT_EQ(animate({"--emotion", emotion, "--seed", "4", "-o", std::string(emotion) + ".json"}).exit_code,
+              0);
+  ASSERT_EQ(
+      mien({"render", "neutral.json", "happy:3.json", "--times", "0.5,1.5", "--size", "48", "-o", "r.png"})
+          .exit_code,
+      0);
+  EXPECT_EQ(bytes_of("e.png"), bytes_of("r.png"));
+  ASSERT_EQ(animate({"--emotions", "all:2", "--times", "1", "--size", "32", "-o", "all.png"}).exit_code, 0);
+  const auto all = read_png(in_folder("all.png"));
+  ASSERT_TRUE(all);
+  EXPECT_EQ(all->width(), 4 * 32);
+  EXPECT_EQ(all->height(), 2 * 32);
+
+  const auto refusal = [&](const std::vector<std::string>& more) {
+    const auto refused = animate(more);
+    EXPECT_EQ(refused.exit_code, 2) << refused.err;
+    return refused.err;
+  };
+  EXPECT_THAT(refusal({"--emotions", "happy,hapy", "-o", "a.png"}), HasSubstr("surprised"));
+  EXPECT_THAT(refusal({"--emotions", "happy,", "-o", "a.png"}), HasSubstr("''"));
+  EXPECT_THAT(refusal({"--emotions", "happy:9", "-o", "a.png"}), HasSubstr("--emotion"));
+  EXPECT_THAT(refusal({"--emotions", "all", "-o", "a.csv"}), HasSubstr("holds one emotion"));
+  EXPECT_THAT(refusal({"--emotions", "all", "--emotion", "sad", "-o", "a.png"}), HasSubstr("several"));
+  EXPECT_THAT(refusal({"--emotions", "all", "--takes", "2", "-o", "a.png"}), HasSubstr("--takes"));
+}
+
 TEST_F(ProgramTest, InspectKnowsEveryKind) {
   ASSERT_EQ(animate({"-o", "a.csv", "-o", "a.glb"}).exit_code, 0);
   const auto facts = [&](const std::string& file) {

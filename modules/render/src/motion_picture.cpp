@@ -52,9 +52,12 @@ Result<MotionPicture> MotionPicture::create(const Character& character, std::vec
   contract(!motions.empty(), "MotionPicture: at least one motion expected");
   contract(options.labels.empty() || options.labels.size() == motions.size(),
            "MotionPicture: one label for each motion expected");
+  contract(options.columns >= 0, "MotionPicture: columns may not be negative");
   const auto count = static_cast<std::int64_t>(motions.size());
-  if (options.shading.width * count > kMaxPictureSide || options.strip_height < 0 ||
-      options.shading.height + std::int64_t{options.strip_height} > kMaxPictureSide)
+  const auto columns = options.columns > 0 ? std::min<std::int64_t>(options.columns, count) : count;
+  const std::int64_t rows = (count + columns - 1) / columns;
+  if (options.shading.width * columns > kMaxPictureSide || options.strip_height < 0 ||
+      (options.shading.height + std::int64_t{options.strip_height}) * rows > kMaxPictureSide)
     return Error{Errc::usage, "picture",
                  "would be larger than " + std::to_string(kMaxPictureSide) + " pixels on a side",
                  "Choose a smaller size or fewer motions"};
@@ -96,8 +99,15 @@ Result<MotionPicture> MotionPicture::create(const Character& character, std::vec
   return result;
 }
 
-int MotionPicture::width() const { return options_.shading.width * static_cast<int>(performers_.size()); }
-int MotionPicture::height() const { return options_.shading.height + options_.strip_height; }
+int MotionPicture::num_columns() const {
+  const int count = static_cast<int>(performers_.size());
+  return options_.columns > 0 ? std::min(options_.columns, count) : count;
+}
+int MotionPicture::num_rows() const {
+  return (static_cast<int>(performers_.size()) + num_columns() - 1) / num_columns();
+}
+int MotionPicture::width() const { return options_.shading.width * num_columns(); }
+int MotionPicture::height() const { return (options_.shading.height + options_.strip_height) * num_rows(); }
 
 double MotionPicture::seconds() const {
   double longest = 0;
@@ -116,11 +126,14 @@ MotionPicture::Scratch MotionPicture::take_scratch() const {
 Image MotionPicture::at(double seconds, int num_threads) const {
   if (!std::isfinite(seconds)) seconds = 0;
   Scratch scratch = take_scratch();
-  Image picture(width(), height());
+  Image picture(width(), height(), options_.shading.background_border);  // seen where no face is
   RenderOptions shading = options_.shading;
   shading.num_threads = num_threads;
-  int x = 0;
+  int place = 0;
   for (const Performer& p : performers_) {
+    const int x = place % num_columns() * shading.width;
+    const int y = place / num_columns() * (shading.height + options_.strip_height);
+    ++place;
     std::vector<float> values = values_at(*p.motion, seconds);
     if (options_.view == CameraView::mouth) hold_head(p.motion->channels, values);
     if (p.motion->space == MotionSpace::vertices)
@@ -128,16 +141,15 @@ Image MotionPicture::at(double seconds, int num_threads) const {
     else
       p.poser.pose(values, scratch.posed);
     const Scene scene = character_scene(*character_, scratch.posed);
-    blit(picture, render(scene, camera_, shading, &scratch.render).value(), x, 0);
-    if (!p.label.empty()) draw_text(picture, x + 6, 4, fit_text(p.label, shading.width - 12));
+    blit(picture, render(scene, camera_, shading, &scratch.render).value(), x, y);
+    if (!p.label.empty()) draw_text(picture, x + 6, y + 4, fit_text(p.label, shading.width - 12));
     if (options_.strip_height > 0) {
       CurveStripOptions strip = options_.strip;
       strip.start_seconds = seconds - 0.5 * strip.seconds;
       strip.playhead_seconds = seconds;
       blit(picture, curve_strip(shading.width, options_.strip_height, *p.motion, options_.log_mel, strip), x,
-           shading.height);
+           y + shading.height);
     }
-    x += shading.width;
   }
   const std::lock_guard lock(pool_->mutex);
   pool_->idle.push_back(std::move(scratch));

@@ -20,13 +20,15 @@ namespace mien {
 struct MotionPictureOptions {
   RenderOptions shading;            ///< of one face: its size in pixels, supersampling ...
   CameraView view = CameraView::portrait;       ///< the close-up of the mouth stays with the head: its turns are left out
+  int columns = 0;                  ///< faces in a row; 0: all of them
   std::vector<std::string> labels;  ///< one for each motion, or none
   int strip_height = 0;             ///< pixels of a strip of curves under each face; 0: none
   CurveStripOptions strip;          ///< its channels and length; where it stands follows the time
   const Features* log_mel = nullptr;  ///< of the speech, for a spectrogram in the strip; borrowed
 };
 
-/// A character that performs one motion, or several side by side (truth | model), at any instant.
+/// A character that performs one motion, or several side by side (truth | model), in rows of so many columns,
+/// at any instant.
 class MotionPicture {
  public:
   /// @param character, motions  borrowed: must outlive this object
@@ -60,6 +62,8 @@ class MotionPicture {
       : character_(&character), options_(options), camera_(camera), pool_(std::make_unique<Pool>()) {}
 
   [[nodiscard]] Scratch take_scratch() const;
+  [[nodiscard]] int num_columns() const;
+  [[nodiscard]] int num_rows() const;
 
   const Character* character_;
   MotionPictureOptions options_;

@@ -48,7 +48,7 @@ Shapes wanted(const Shapes& recorded) {
       if (name.starts_with(*prefix)) own.emplace(name.substr(prefix->size()), shape);
     const auto config = encoder_config_from_shapes(own);
     EXPECT_TRUE(config) << config.error().message();
-    if (config) add_parameters(SpeechEncoder<PlainWeights>(*config), *prefix, all);
+    if (config) add_parameters(SpeechEncoder<Tensor>(*config), *prefix, all);
   }
   if (recorded.contains("final_layer.weight")) {
     const auto sizes = facediffuser::sizes_of(recorded, true);

@@ -235,7 +235,10 @@ void add_edit_command(CLI::App& program, Chosen& chosen) {
   add_face_options(*command, a->words, a->face);
   add_said_options(*command, a->said);
   command
-      ->add_option("--motion-fps", a->motion_fps, "Frames a second of a MOTION that does not say, 1 to 240")
+      ->add_option(
+          "--motion-fps", a->motion_fps,
+          "Frames a second of a MOTION, 1 to 240: of an .npy, which does not say, and of a .csv, whose "
+          "timecodes are taken to count at this rate unless they count higher")
       ->check(CLI::Range(1.0, 240.0));
   command->add_option("--size", a->size, "Pixels of pictures: 512 or 640x480")->capture_default_str();
   command->add_option("--view", a->view, "front, portrait, three-quarter, side or mouth")

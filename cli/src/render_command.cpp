@@ -240,7 +240,10 @@ void add_render_command(CLI::App& program, Chosen& chosen) {
   add_vertex_options(*command, a->vertices);
   add_other_face_options(*command, a->vertices);
   command
-      ->add_option("--motion-fps", a->motion_fps, "Frames a second of a MOTION that does not say, 1 to 240")
+      ->add_option(
+          "--motion-fps", a->motion_fps,
+          "Frames a second of a MOTION, 1 to 240: of an .npy, which does not say, and of a .csv, whose "
+          "timecodes are taken to count at this rate unless they count higher")
       ->check(CLI::Range(1.0, 240.0));
   command->add_option("--fps", a->fps, "Frames a second of videos and numbered pictures, 1 to 240")
       ->check(CLI::Range(1.0, 240.0))

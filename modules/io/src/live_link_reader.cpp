@@ -224,7 +224,9 @@ Result<Motion> read_live_link_csv(std::string_view text, const CsvReadOptions& o
   }
   if (!layout) return Error{Errc::input, "CSV", "the file is empty", ""};
 
-  const double timecode_fps = options.fps > 0 ? options.fps : timecode_rate(table.timecodes);
+  // Timecodes count at the rate of the motion where their frame numbers allow it.
+  const bool counts_so = options.fps > 0 && can_count_at(options.fps, table.timecodes);
+  const double timecode_fps = counts_so ? options.fps : timecode_rate(table.timecodes);
   const double fps = options.fps > 0 ? options.fps : rate_of(table, timecode_fps);
   const Timeline line = timeline_of(table, timecode_fps, fps);
   const std::size_t width = layout->channels.size();

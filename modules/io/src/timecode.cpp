@@ -60,6 +60,11 @@ double timecode_rate(const std::vector<Timecode>& rows) {
   return at_least;
 }
 
+bool can_count_at(double fps, const std::vector<Timecode>& rows) {
+  return std::all_of(rows.begin(), rows.end(),
+                     [&](const Timecode& row) { return row.frames < std::ceil(fps); });
+}
+
 double usual_rate(double fps) {
   constexpr double kTolerance = 5e-4;
   for (const double rate : {24000.0 / 1001, 30000.0 / 1001, 60000.0 / 1001, std::round(fps)})

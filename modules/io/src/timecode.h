@@ -21,6 +21,9 @@ std::string timecode_text(std::int64_t n, double fps);
 /// The lowest usual rate at which such frame numbers can occur; 60 when the rows stay within one second.
 double timecode_rate(const std::vector<Timecode>& rows);
 
+/// Whether such frame numbers can occur at a rate: they are below it, rounded up (29.97 counts to 29).
+bool can_count_at(double fps, const std::vector<Timecode>& rows);
+
 /// A rate near to `fps` that is in use (24, 25, 29.97 ...) or whole, within 0.05 %; else fps itself.
 double usual_rate(double fps);
 

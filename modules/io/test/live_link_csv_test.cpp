@@ -128,6 +128,14 @@ TEST(LiveLinkCsv, ShortClipsNeedTheRateOption) {
   const Motion motion = random_motion(10, 30);
   EXPECT_EQ(read_live_link_csv(*live_link_csv(motion))->fps, 60);
   expect_near(*read_live_link_csv(*live_link_csv(motion), {.fps = 30}), motion);
+  // A take whose timecodes count to 59, asked for at 30: half of the frames, each at its time.
+  const Motion fast = random_motion(121, 60);
+  const auto half = read_live_link_csv(*live_link_csv(fast), {.fps = 30});
+  ASSERT_TRUE(half) << half.error().message();
+  EXPECT_EQ(half->fps, 30);
+  ASSERT_EQ(half->num_frames(), 61);
+  EXPECT_TRUE(half.warnings.empty());
+  for (std::int64_t n = 0; n < 61; ++n) EXPECT_NEAR(half->frame(n)[0], fast.frame(2 * n)[0], 1e-6);
 }
 
 TEST(LiveLinkCsv, ZeroAndOneFrame) {

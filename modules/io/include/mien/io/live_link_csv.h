@@ -20,7 +20,8 @@ Status write_live_link_csv(const Motion& motion, const TextSink& sink);
 Result<std::string> live_link_csv(const Motion& motion);
 
 struct CsvReadOptions {
-  /// Rate of the motion and of the frame part of its timecodes; 0 = found from the rows.
+  /// Rate of the motion, and of the frame part of its timecodes unless that counts higher; 0 = found from the
+  /// rows.
   double fps = 0;
 };
 

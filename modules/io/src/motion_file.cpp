@@ -20,6 +20,7 @@ namespace mien {
 namespace {
 
 constexpr std::size_t kMaxWidth = 3'000'000;  // numbers a frame: a mesh of a million vertices
+constexpr std::size_t kLeastWidth = 300;      // of rows that are taken for x, y, z of vertices
 constexpr std::array<std::string_view, 4> kExtensions = {".csv", ".glb", ".json", ".npy"};
 
 Error unknown_extension(const std::filesystem::path& path) {
@@ -66,7 +67,12 @@ Result<Motion> motion_of_array(NpyArray array, double fps) {
       return Error{Errc::input, ".npy file", "frame " + std::to_string(i / width) + " is not finite", ""};
   Result<Motion> result{Motion{MotionSpace::arkit, {}, fps, std::move(array.values)}};
   auto& channels = result->channels;
-  if (width == kNumArkit) {
+  // An axis of three coordinates tells positions, however few.
+  const bool is_points = array.shape.size() == 3 && array.shape[2] == 3;
+  if (is_points || (width % 3 == 0 && width >= kLeastWidth)) {
+    result->space = MotionSpace::vertices;
+    result->topology = topology_of(static_cast<std::int64_t>(width / 3));
+  } else if (width == kNumArkit) {
     channels = arkit_order(ArkitOrder::apple);
   } else if (width == kNumArkit + 3) {
     channels = arkit_and_head_channels();
@@ -80,15 +86,12 @@ Result<Motion> motion_of_array(NpyArray array, double fps) {
   } else if (width == kNumFlame) {
     result->space = MotionSpace::flame;
     channels = flame_channels(kNumFlameShape, kNumFlameExpression);
-  } else if (width % 3 == 0 && width >= 300) {
-    result->space = MotionSpace::vertices;
-    result->topology = topology_of(static_cast<std::int64_t>(width / 3));
   } else {
     result->space = MotionSpace::rig;
-    for (std::size_t c = 0; c < width; ++c) channels.push_back("channel" + std::to_string(c));
+    for (std::size_t c = 0; c < width; ++c) channels.push_back("channel_" + std::to_string(c));
   }
   if (!(fps > 0)) result->fps = assumed_rate(width);
-  if (result->space == MotionSpace::arkit || width == kNumUudamm)
+  if (result->space == MotionSpace::arkit || (result->space == MotionSpace::rig && width == kNumUudamm))
     result.warnings.push_back("the names of the " + std::to_string(width) +
                               " columns are assumed from their number");
   if (!(fps > 0))

@@ -103,7 +103,11 @@ TEST_F(MotionFile, NamesOfArrayColumnsFollowFromTheWidth) {
   EXPECT_EQ(read({4, 100, 3})->topology, (Topology{"", 100}));
   EXPECT_EQ(read({1, 5023 * 3})->topology.name, "flame");
   EXPECT_EQ(read({4, 192})->channels[166], "cn_jaw.0");
+  EXPECT_EQ(read({4, 60, 3})->topology, (Topology{"", 60})) << "three coordinates tell it";
+  EXPECT_EQ(read({4, 17, 3})->space, MotionSpace::vertices) << "not 51 coefficients";
+  EXPECT_EQ(read({4, 180})->space, MotionSpace::rig);
   EXPECT_EQ(read({4, 7})->space, MotionSpace::rig);
+  EXPECT_EQ(read({4, 7})->channels[6], "channel_6");
   EXPECT_EQ(read({4})->num_channels(), 1);
   EXPECT_EQ(read({0, 52})->num_frames(), 0);
   EXPECT_EQ(read({4, 0}).error().code, Errc::incompatible);

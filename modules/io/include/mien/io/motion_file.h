@@ -40,7 +40,7 @@ struct MotionReadOptions {
 /// and .gltf (the animation's weights and head), .npy. The channels of an .npy follow from its width: 52
 /// ARKit names in their order, 55 with the head, 51 alphabetical without tongueOut (FaceDiffuser on BEAT), 32
 /// SAiD's, 192 UUDaMM's rig, 403 FLAME's parameters; other widths that are multiples of 3 and at least 300
-/// are vertex positions; the rest is a rig with numbered channels. Errors: Errc::usage for an unknown
+/// are vertex positions, and so is any array [frames, vertices, 3]; the rest is a rig with numbered channels. Errors: Errc::usage for an unknown
 /// extension; else those of the format's reader.
 Result<Motion> read_motion(const std::filesystem::path& path, const MotionReadOptions& options = {});
 

@@ -121,7 +121,8 @@ void add_data_command(CLI::App& program, Chosen& chosen) {
 
   auto* check = command->add_subcommand("check", "Tell what is missing or odd in a prepared data set");
   auto c = std::make_shared<DataArguments>();
-  check->add_option("FOLDER", c->folder, "Folder with wav/, vertices_npy/ and templates.pkl")->required();
+  check->add_option("FOLDER", c->folder, "Folder with wav/ and vertices_npy/ (or param/), and templates.pkl")
+      ->required();
   check->add_option("--layout", c->layout, layouts + ". Default: told by the folder and its names");
   check->add_flag("--read-values", c->read_values, "Look at every number of every motion");
   check->add_flag("--quiet", chosen.quiet, "Print no progress");

@@ -75,14 +75,16 @@ std::int64_t check_motion(const DatasetSequence& sequence, const DatasetCheckOpt
   found.widths[width].push_back(sequence.name);
   if (layout->item_size == 8)
     found.oddities.add("motion is stored as float64 and is rounded when read", sequence.name);
-  if (layout->shape[0] == 0) found.problems.add("motion has no frames", sequence.name);
+  const std::int64_t num_frames = frame_count(layout->shape);
+  if (num_frames == 0) found.problems.add("motion has no frames", sequence.name);
   if (options.read_values && has_broken_number(file->bytes().subspan(layout->data_offset), layout->item_size))
     found.problems.add("motion holds numbers that are not finite", sequence.name);
-  return layout->shape[0];
+  return num_frames;
 }
 
 void check_sound(const Dataset& dataset, const DatasetSequence& sequence, std::int64_t num_frames,
                  Collected& found) {
+  if (sequence.audio.empty()) return;  // the layout needs none
   const auto reader = AudioReader::open(sequence.audio);
   if (!reader) {
     found.problems.add("sound cannot be read (" + reader.error().why + ")", sequence.name);

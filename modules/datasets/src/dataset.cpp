@@ -7,6 +7,7 @@
 #include "mien/base/hash.h"
 #include "mien/base/random.h"
 #include "mien/core/arkit.h"
+#include "mien/core/flame_parameters.h"
 #include "mien/core/rig_controls.h"
 #include "mien/io/mapped_file.h"
 #include "mien/io/npy.h"
@@ -24,7 +25,8 @@ Result<std::map<std::string, fs::path>> files_of(const fs::path& folder, std::st
   fs::directory_iterator entries(folder, ec);
   if (ec)
     return Error{Errc::input, "'" + folder.string() + "'", "cannot be listed: " + ec.message(),
-                 "A prepared data set has the folders wav and vertices_npy; see docs/datasets.md"};
+                 "A prepared data set has the folders wav and vertices_npy, or wav and param; see "
+                 "docs/datasets.md"};
   for (const auto& entry : entries)
     if (entry.path().extension() == extension) files[entry.path().stem().string()] = entry.path();
   return files;
@@ -32,17 +34,20 @@ Result<std::map<std::string, fs::path>> files_of(const fs::path& folder, std::st
 
 std::optional<DatasetKind> kind_of_folder(const fs::path& folder) {
   std::error_code ec;
+  if (fs::is_directory(folder / dataset_layout(DatasetKind::mead).motion_folder, ec))
+    return DatasetKind::mead;
   std::string name = fs::weakly_canonical(folder, ec).filename().string();
   for (char& c : name) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   if (name.find("voca") != std::string::npos) return DatasetKind::vocaset;
   if (name.find("multiface") != std::string::npos) return DatasetKind::multiface;
   if (name.find("damm") != std::string::npos) return DatasetKind::uudamm;
   if (name.find("beat") != std::string::npos) return DatasetKind::beat;
+  if (name.find("mead") != std::string::npos) return DatasetKind::mead_vertices;
   return std::nullopt;  // BIWI exists in two forms, which the names of its sequences tell apart
 }
 
 std::optional<DatasetKind> kind_of_content(const std::string& name, const fs::path& motion) {
-  for (const auto kind : {DatasetKind::vocaset, DatasetKind::biwi})
+  for (const auto kind : {DatasetKind::vocaset, DatasetKind::biwi, DatasetKind::mead_vertices})
     if (parse_sequence_name(kind, name)) return kind;
   const auto file = MappedFile::open(motion);
   if (!file) return std::nullopt;
@@ -72,6 +77,17 @@ void split_beat(std::vector<DatasetSequence>& sequences) {
   }
 }
 
+// ProbTalk3D's files have an axis of one clip.
+bool is_batch_of_one(std::span<const std::int64_t> shape) {
+  return shape.size() == 3 && shape[0] == 1 && shape[2] == static_cast<std::int64_t>(kNumFlame);
+}
+
+std::vector<std::string> channels_of(MotionSpace space) {
+  if (space == MotionSpace::arkit) return arkit_order(ArkitOrder::beat);
+  if (space == MotionSpace::flame) return flame_channels(kNumFlameShape, kNumFlameExpression);
+  return uudamm_controls();
+}
+
 void find_templates(Dataset& dataset) {
   if (!dataset.layout->has_templates) return;
   std::error_code ec;
@@ -90,8 +106,13 @@ void find_templates(Dataset& dataset) {
 
 }  // namespace
 
+std::int64_t frame_count(std::span<const std::int64_t> shape) {
+  return is_batch_of_one(shape) ? shape[1] : shape[0];
+}
+
 std::int64_t frame_width(std::span<const std::int64_t> shape) {
   if (shape.size() != 2 && shape.size() != 3) return 0;
+  if (is_batch_of_one(shape)) return shape[2];
   std::size_t width = 1;
   for (const std::int64_t size : shape.subspan(1)) {
     const auto product = checked_multiply(width, static_cast<std::size_t>(size));
@@ -102,9 +123,13 @@ std::int64_t frame_width(std::span<const std::int64_t> shape) {
 }
 
 Result<Dataset> open_dataset(const fs::path& folder, std::optional<DatasetKind> kind) {
-  MIEN_TRY(const auto sounds, files_of(folder / "wav", ".wav"));
-  MIEN_TRY(const auto motions, files_of(folder / "vertices_npy", ".npy"));
   if (!kind) kind = kind_of_folder(folder);
+  const bool needs_sound = !kind || dataset_layout(*kind).needs_sound;
+  auto sounds = files_of(folder / "wav", ".wav");
+  if (!sounds && needs_sound) return sounds.error();
+  if (!sounds) sounds = std::map<std::string, fs::path>();
+  MIEN_TRY(const auto motions,
+           files_of(folder / (kind ? dataset_layout(*kind).motion_folder : "vertices_npy"), ".npy"));
   if (!kind && !motions.empty()) kind = kind_of_content(motions.begin()->first, motions.begin()->second);
   if (!kind) {
     std::string known;
@@ -116,18 +141,18 @@ Result<Dataset> open_dataset(const fs::path& folder, std::optional<DatasetKind> 
   dataset.layout = &dataset_layout(*kind);
   dataset.folder = folder;
   for (const auto& [name, motion] : motions) {
-    const auto sound = sounds.find(name);
+    const auto sound = sounds->find(name);
     const auto parts = parse_sequence_name(*kind, name);
     if (!parts) {
       dataset.strange_names.push_back(name);
-    } else if (sound == sounds.end()) {
+    } else if (sound == sounds->end() && needs_sound) {
       dataset.unpaired_motion.push_back(name);
     } else {
-      dataset.sequences.push_back(
-          {name, *parts, std::string(split_of(*kind, *parts).value_or("")), sound->second, motion});
+      dataset.sequences.push_back({name, *parts, std::string(split_of(*kind, *parts).value_or("")),
+                                   sound == sounds->end() ? fs::path() : sound->second, motion});
     }
   }
-  for (const auto& [name, sound] : sounds)
+  for (const auto& [name, sound] : *sounds)
     if (!motions.contains(name)) dataset.unpaired_audio.push_back(name);
   if (*kind == DatasetKind::beat) split_beat(dataset.sequences);
   find_templates(dataset);
@@ -158,9 +183,16 @@ Result<Motion> load_sequence(const Dataset& dataset, const DatasetSequence& sequ
   }
   if (layout.space == MotionSpace::vertices)
     return vertex_motion(topology_of(width / 3), layout.fps, std::move(values));
-  return Motion{layout.space,
-                layout.space == MotionSpace::arkit ? arkit_order(ArkitOrder::beat) : uudamm_controls(),
-                layout.fps, std::move(values)};
+  return Motion{layout.space, channels_of(layout.space), layout.fps, std::move(values)};
+}
+
+Result<std::int64_t> loaded_width(const Dataset& dataset) {
+  if (dataset.layout->space != MotionSpace::vertices) return dataset.layout->width;
+  if (dataset.sequences.empty())
+    return Error{Errc::incompatible, "'" + dataset.folder.string() + "'", "has no sequence",
+                 "Run: mien data check"};
+  MIEN_TRY(const Motion first, load_sequence(dataset, dataset.sequences.front()));
+  return first.num_channels();
 }
 
 }  // namespace mien

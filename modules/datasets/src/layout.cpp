@@ -7,17 +7,21 @@
 #include "mien/base/contract.h"
 #include "mien/base/number_text.h"
 #include "mien/core/arkit.h"
+#include "mien/core/emotion.h"
+#include "mien/core/flame_parameters.h"
 #include "mien/core/rig_controls.h"
 
 namespace mien {
 namespace {
 
 using Names = std::vector<std::string>;
-constexpr std::array<std::string_view, 6> kNames = {"biwi", "biwi-expressive", "vocaset", "multiface",
-                                                    "beat", "uudamm"};
+constexpr std::array<std::string_view, 9> kNames = {
+    "biwi",   "biwi-expressive", "vocaset",      "multiface",      "beat",
+    "uudamm", "3dmead",          "3dmead-prior", "3dmead-vertices"};
+constexpr int kNumIntensities = 3;  // of MEAD
 
-const std::array<DatasetLayout, 6>& layouts() {
-  static const std::array<DatasetLayout, 6> table = [] {
+const std::array<DatasetLayout, 9>& layouts() {
+  static const std::array<DatasetLayout, 9> table = [] {
     const Names biwi_six = {"F2", "F3", "F4", "M3", "M4", "M5"};
     const Names biwi_all = {"F1", "F2", "F3", "F4", "F5", "F6", "F7",
                             "F8", "M1", "M2", "M3", "M4", "M5", "M6"};
@@ -31,8 +35,23 @@ const std::array<DatasetLayout, 6>& layouts() {
     const Names multiface_all = {"2", "3", "6", "7", "9", "10", "11", "12", "13", "1", "4", "5", "8"};
     const auto beat_width = static_cast<std::int64_t>(kNumArkit) - 1;
     const auto uudamm_width = static_cast<std::int64_t>(kNumUudamm);
+    const Names mead_train = {"M003", "M005", "M007", "M009", "M011", "M012", "M013", "M019",
+                              "M022", "M023", "M024", "M025", "M026", "M027", "M028", "M029",
+                              "M030", "M031", "W009", "W011", "W014", "W015", "W016", "W018",
+                              "W019", "W021", "W023", "W024", "W025", "W026", "W028", "W029"};
+    const Names mead_val = {"M032", "M033", "M034", "M035", "W033", "W035", "W036"};
+    const Names mead_test = {"M037", "M039", "M040", "M041", "M042", "W037", "W038", "W040"};
+    // Each subject reads 40 neutral sentences, and 30 of each emotion at each intensity.
+    const std::vector<SplitRule> by_sentence = {{"train", mead_train, {{0, 32}}, 17152, {{0, 24}}},
+                                                {"val", mead_train, {{33, 36}}, 2144, {{25, 27}}},
+                                                {"test", mead_train, {{37, 40}}, 2144, {{28, 30}}}};
+    constexpr int kLast = 1'000'000;
+    const std::vector<SplitRule> by_subject = {{"train", mead_train, {{0, kLast}}, 21440},
+                                               {"val", mead_val, {{0, kLast}}, 4690},
+                                               {"test", mead_test, {{0, kLast}}, 5360}};
+    const auto flame_width = static_cast<std::int64_t>(kNumFlame);
     using enum MotionSpace;
-    return std::array<DatasetLayout, 6>{{
+    return std::array<DatasetLayout, 9>{{
         {DatasetKind::biwi,
          kNames[0],
          vertices,
@@ -79,6 +98,10 @@ const std::array<DatasetLayout, 6>& layouts() {
           {"test", multiface_all, {{46, 50}}, 65}}},
         {DatasetKind::beat, kNames[4], arkit, beat_width, 30, 1, false, {"2", "4", "6", "8"}, {}},
         {DatasetKind::uudamm, kNames[5], rig, uudamm_width, 30, 1, false, {}, {}},
+        {DatasetKind::mead, kNames[6], flame, flame_width, 25, 1, false, mead_train, by_sentence, "param"},
+        {DatasetKind::mead_prior, kNames[7], flame, flame_width, 25, 1, false, mead_train, by_subject,
+         "param", false},
+        {DatasetKind::mead_vertices, kNames[8], vertices, 15069, 25, 1, true, mead_train, by_sentence},
     }};
   }();
   return table;
@@ -105,6 +128,26 @@ std::optional<std::string_view> uudamm_split(int piece) {
   return found == table.end() ? std::nullopt : std::optional(found->second);
 }
 
+// "M003_001_5_2"
+std::optional<SequenceName> parse_mead_name(std::string_view stem) {
+  std::array<int, 3> numbers{};  // from the end: intensity, emotion, sentence
+  for (int& field : numbers) {
+    const auto cut = stem.rfind('_');
+    if (cut == std::string_view::npos || cut == 0) return std::nullopt;
+    const auto value = number(stem.substr(cut + 1));
+    if (!value) return std::nullopt;
+    field = *value;
+    stem = stem.substr(0, cut);
+  }
+  const auto [intensity, emotion, sentence] = numbers;
+  if (emotion >= kNumEmotions || intensity >= kNumIntensities) return std::nullopt;
+  return SequenceName{std::string(stem), sentence, emotion, intensity};
+}
+
+bool is_mead(DatasetKind kind) {
+  return kind == DatasetKind::mead || kind == DatasetKind::mead_prior || kind == DatasetKind::mead_vertices;
+}
+
 }  // namespace
 
 const DatasetLayout& dataset_layout(DatasetKind kind) { return layouts()[static_cast<std::size_t>(kind)]; }
@@ -118,6 +161,7 @@ std::optional<DatasetKind> parse_dataset_kind(std::string_view name) {
 }
 
 std::optional<SequenceName> parse_sequence_name(DatasetKind kind, std::string_view stem) {
+  if (is_mead(kind)) return parse_mead_name(stem);
   const auto last = stem.rfind('_');
   if (last == std::string_view::npos || last == 0) return std::nullopt;
   std::string_view subject = stem.substr(0, last), end = stem.substr(last + 1);
@@ -149,7 +193,8 @@ std::optional<std::string_view> split_of(DatasetKind kind, const SequenceName& n
   for (const auto& rule : dataset_layout(kind).splits) {
     const bool has_subject = rule.subjects.empty() || std::find(rule.subjects.begin(), rule.subjects.end(),
                                                                 name.subject) != rule.subjects.end();
-    for (const auto& [first, last] : rule.sentences)
+    const bool is_emotional = name.emotion > 0 && !rule.emotional.empty();
+    for (const auto& [first, last] : is_emotional ? rule.emotional : rule.sentences)
       if (has_subject && name.sentence >= first && name.sentence <= last) return rule.split;
   }
   return std::nullopt;

@@ -20,6 +20,12 @@ Result<PrepareReport> prepare_dataset(DatasetKind kind, const std::filesystem::p
       return datasets::prepare_multiface(raw, out, options, progress);
     case DatasetKind::uudamm:
       return datasets::prepare_uudamm(raw, out, options, progress);
+    case DatasetKind::mead:
+    case DatasetKind::mead_prior:
+    case DatasetKind::mead_vertices:
+      return Error{Errc::usage, std::string(dataset_layout(kind).name),
+                   "is read as ProbTalk3D's programs prepare it; their HDF5 sources are not",
+                   "Make wav/ and param/ (or vertices_npy/) with those programs: docs/datasets.md"};
   }
   contract(false, "prepare_dataset: unknown kind");
   return PrepareReport{};

@@ -51,7 +51,10 @@ TEST(Dataset, EveryLayoutIsReadInItsTrueForm) {
        {"FaceTalk_170728_03272_TA_sentence01", "FaceTalk_170811_03275_TA_sentence21",
         "FaceTalk_170809_00138_TA_sentence21"}},
       {DatasetKind::multiface, {"2_1", "2_41", "1_46"}},
-      {DatasetKind::uudamm, {"1_2181", "1_968", "1_1021"}}};
+      {DatasetKind::uudamm, {"1_2181", "1_968", "1_1021"}},
+      {DatasetKind::mead, {"M003_001_0_0", "M003_025_1_2", "W029_028_7_0"}},
+      {DatasetKind::mead_prior, {"M003_040_0_0", "M032_001_1_2", "M037_028_7_0"}},
+      {DatasetKind::mead_vertices, {"M003_001_0_0", "M003_025_1_2", "W029_028_7_0"}}};
   for (const auto& [kind, names] : cases) {
     const TestFolder folder;
     tiny::write_prepared(kind, folder.path(), names);
@@ -84,6 +87,38 @@ TEST(Dataset, BeatIsSplitByEmotionAndSubject) {
   for (std::size_t i = 0; i < once->sequences.size(); ++i)
     EXPECT_EQ(once->sequences[i].split, again->sequences[i].split);
   EXPECT_EQ(load_sequence(*once, once->sequences[0])->channels[0], "browDownLeft");
+}
+
+TEST(Dataset, The3DMeadIsFoundByItsFolders) {
+  const TestFolder parameters, meshes;
+  tiny::write_prepared(DatasetKind::mead, parameters.path(), {"M003_001_0_0", "W011_040_0_0"});
+  tiny::write_prepared(DatasetKind::mead_vertices, meshes.path(), {"M003_001_0_0"});
+  const auto dataset = open_dataset(parameters.path());
+  ASSERT_TRUE(dataset) << dataset.error().message();
+  EXPECT_EQ(dataset->layout->kind, DatasetKind::mead);
+  EXPECT_EQ(dataset->sequences[0].parts.intensity, 0);
+  EXPECT_EQ(dataset->sequences[1].split, "test");
+  const auto motion = load_sequence(*dataset, dataset->sequences[0]);
+  ASSERT_TRUE(motion) << motion.error().message();
+  EXPECT_EQ(motion->space, MotionSpace::flame);
+  EXPECT_EQ(motion->num_frames(), 25);
+  EXPECT_EQ(motion->find("jaw_x"), 400);
+  EXPECT_FLOAT_EQ(motion->frame(3)[400], 3.4f);
+  EXPECT_EQ(open_dataset(meshes.path())->layout->kind, DatasetKind::mead_vertices);
+}
+
+TEST(Dataset, MotionWithoutSoundCountsWhereNoneIsHeard) {
+  const TestFolder folder;
+  tiny::write_prepared(DatasetKind::mead, folder.path(), {"M003_001_0_0", "M003_002_0_0"});
+  std::filesystem::remove(folder.path() / "wav/M003_001_0_0.wav");
+  EXPECT_EQ(open_dataset(folder.path())->unpaired_motion, std::vector<std::string>{"M003_001_0_0"});
+  EXPECT_EQ(open_dataset(folder.path(), DatasetKind::mead_prior)->sequences.size(), 2u);
+  std::filesystem::remove_all(folder.path() / "wav");
+  EXPECT_FALSE(open_dataset(folder.path()));
+  const auto silent = check(folder.path(), DatasetKind::mead_prior, true);
+  ASSERT_TRUE(silent) << silent.error().message();
+  EXPECT_THAT(silent->problems, IsEmpty());
+  EXPECT_EQ(silent->splits[0].num_frames, 50);
 }
 
 TEST(DatasetCheck, NamesWhatIsMissingAndOdd) {

@@ -72,6 +72,33 @@ TEST(DatasetLayout, NamesAndSplitsOfSingleSequences) {
   EXPECT_FALSE(parse_sequence_name(DatasetKind::beat, "2_01"));
 }
 
+TEST(DatasetLayout, The3DMeadSplitsIntoTheStatedNumbers) {
+  const auto count = [](DatasetKind kind, std::string_view wanted) {
+    std::int64_t found = 0;
+    for (const auto& rule : dataset_layout(DatasetKind::mead_prior).splits)
+      for (const auto& subject : rule.subjects)
+        for (int emotion = 0; emotion < 8; ++emotion)
+          for (int intensity = 0; intensity < (emotion == 0 ? 1 : 3); ++intensity)
+            for (int sentence = 1; sentence <= (emotion == 0 ? 40 : 30); ++sentence) {
+              const std::string number = std::to_string(1000 + sentence).substr(1);
+              found += split(kind, subject + "_" + number + "_" + std::to_string(emotion) + "_" +
+                                       std::to_string(intensity)) == wanted
+                           ? 1
+                           : 0;
+            }
+    return found;
+  };
+  for (const auto kind : {DatasetKind::mead, DatasetKind::mead_prior, DatasetKind::mead_vertices})
+    for (const auto& rule : dataset_layout(kind).splits)
+      EXPECT_EQ(count(kind, rule.split), rule.expected) << dataset_layout(kind).name << rule.split;
+  EXPECT_EQ(split(DatasetKind::mead, "M003_032_0_0"), "train");
+  EXPECT_EQ(split(DatasetKind::mead, "M003_030_7_2"), "test");
+  EXPECT_EQ(split(DatasetKind::mead, "M032_001_0_0"), "none");
+  for (const char* name : {"M003", "M003_001", "M003_001_0", "_001_0_0", "M003_001_8_0", "M003_001_0_3",
+                           "M003_x_0_0", "M003_001_0_-1", "M003_001_0_0_"})
+    EXPECT_EQ(split(DatasetKind::mead, name), "no name") << name;
+}
+
 TEST(DatasetLayout, UudammsSplitIsCutFromPythonsShuffle) {
   const auto order = python_shuffle(2537, 1);
   const std::vector<int> first = {2181, 1873, 1585, 2479, 488, 575, 2529, 933, 969, 1297};

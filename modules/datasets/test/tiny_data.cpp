@@ -28,8 +28,9 @@ void write_sound(const fs::path& path, double seconds) {
   fs::remove_all(work);
 }
 
-void write_ramp(const fs::path& path, std::int64_t num_frames, std::int64_t width) {
+void write_ramp(const fs::path& path, std::int64_t num_frames, std::int64_t width, bool is_batch) {
   NpyArray array{{num_frames, width}, {}};
+  if (is_batch) array.shape.insert(array.shape.begin(), 1);
   for (std::int64_t n = 0; n < num_frames; ++n)
     for (std::int64_t c = 0; c < width; ++c)
       array.values.push_back(static_cast<float>(n) + static_cast<float>(c) / 1000);
@@ -44,8 +45,9 @@ void write_prepared(DatasetKind kind, const fs::path& folder, const std::vector<
   Templates templates;
   for (const auto& name : names) {
     write_sound(folder / "wav" / (name + ".wav"), 1);
-    write_ramp(folder / "vertices_npy" / (name + ".npy"),
-               static_cast<std::int64_t>(layout.fps) * layout.keep_every, width);
+    write_ramp(folder / layout.motion_folder / (name + ".npy"),
+               static_cast<std::int64_t>(layout.fps) * layout.keep_every, width,
+               layout.space == MotionSpace::flame);
     if (const auto parts = parse_sequence_name(kind, name))
       templates[parts->subject] = std::vector<float>(static_cast<std::size_t>(width), 0.5f);
   }

@@ -20,6 +20,9 @@ enum class DatasetKind {
   multiface,        ///< MeshTalk topology, each axis scaled to [-1, 1]
   beat,             ///< ARKit coefficients, pieces of ten seconds
   uudamm,           ///< 192 rig controls, scaled to [-1, 1], pieces of ten seconds
+  mead,             ///< 3DMEAD as ProbTalk3D prepares it: 403 FLAME parameters; split by sentence (stage 2)
+  mead_prior,       ///< the same files, split by subject (stage 1); motion without sound counts, too
+  mead_vertices,    ///< the same readings as meshes of FLAME, metres, with templates
 };
 
 /// Which sequences make a split.
@@ -28,11 +31,15 @@ struct SplitRule {
   std::vector<std::string> subjects;           ///< empty: all
   std::vector<std::pair<int, int>> sentences;  ///< ranges, both ends included
   std::int64_t expected = 0;                   ///< sequences of the full data set; 0: not stated
+  /// Of readings with an emotion other than 0; empty: `sentences` are of all.
+  std::vector<std::pair<int, int>> emotional = {};
 };
 
 struct DatasetLayout {
   DatasetKind kind = DatasetKind::biwi;
-  std::string_view name;  ///< "biwi", "biwi-expressive", "vocaset", "multiface", "beat", "uudamm"
+  /// "biwi", "biwi-expressive", "vocaset", "multiface", "beat", "uudamm", "3dmead", "3dmead-prior",
+  /// "3dmead-vertices"
+  std::string_view name;
   MotionSpace space = MotionSpace::vertices;
   std::int64_t width = 0;                   ///< numbers in a frame
   double fps = 25;                          ///< of the motion when loaded
@@ -40,9 +47,12 @@ struct DatasetLayout {
   bool has_templates = false;               ///< a neutral mesh for every subject
   std::vector<std::string> train_subjects;  ///< in the order of the released models' one-hot style
   std::vector<SplitRule> splits;  ///< a sequence goes to the first that matches; empty: see split_dataset()
+  std::string_view motion_folder = "vertices_npy";
+  bool needs_sound = true;  ///< false: a sequence may have motion alone
 };
 
-/// The layouts by kind: FaceDiffuser specification, section 10; FaceXHuBERT specification, section 4.
+/// The layouts by kind: FaceDiffuser specification, section 10; FaceXHuBERT specification, section 4;
+/// ProbTalk3D specification, sections 2.3 and 2.5.
 const DatasetLayout& dataset_layout(DatasetKind kind);
 /// All names, in the order of the enumeration.
 std::span<const std::string_view> dataset_names();
@@ -50,11 +60,13 @@ std::optional<DatasetKind> parse_dataset_kind(std::string_view name);
 
 /// What the name of a sequence says: "F2_e37" (biwi), "F1_41" (biwi_expressive),
 /// "FaceTalk_170728_03272_TA_sentence07" (vocaset), "2_46" (multiface), "2_8_01" (beat: actor, emotion,
-/// running index), "2_01" (uudamm).
+/// running index), "2_01" (uudamm), "M003_001_0_0" (3dmead: subject, sentence, emotion 0 ... 7, intensity
+/// 0 ... 2).
 struct SequenceName {
   std::string subject;
   int sentence = 0;
-  int emotion = -1;  ///< of beat, 0 ... 7 and more; -1: the name does not say
+  int emotion = -1;    ///< of beat, 0 ... 7 and more, and 3dmead; -1: the name does not say
+  int intensity = -1;  ///< of 3dmead, 0 ... 2
 };
 /// Nothing for a name that is none of the data set.
 std::optional<SequenceName> parse_sequence_name(DatasetKind kind, std::string_view stem);

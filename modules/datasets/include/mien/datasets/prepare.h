@@ -51,7 +51,8 @@ struct PrepareReport {
 /// seconds of sound, scaled to -1 ... 1 by the published scaler, or by the ranges of these recordings, which
 /// are then written as scaler.safetensors.
 ///
-/// Warnings: recordings that were left out, and why. Errors: Errc::usage for an option that is missing;
+/// Warnings: recordings that were left out, and why. Errors: Errc::usage for an option that is missing, and
+/// for 3DMEAD, whose makers' HDF5 files are not read;
 /// Errc::input when nothing was found or a file is damaged; Errc::incompatible when meshes, templates,
 /// triangles and tables do not fit; Errc::cancelled.
 Result<PrepareReport> prepare_dataset(DatasetKind kind, const std::filesystem::path& raw,

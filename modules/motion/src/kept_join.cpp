@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "join_ease.h"
 #include "mien/base/contract.h"
 
 namespace mien {
@@ -56,7 +57,8 @@ class ChannelJoin {
         c_(c),
         is_gaze_(made.space != MotionSpace::vertices &&
                  made.channels[static_cast<std::size_t>(c)].starts_with("eyeLook")),
-        limit_(kShare * usual_acceleration(kept, c)),
+        usual_(usual_acceleration(kept, c)),
+        limit_(kShare * usual_),
         longest_(longest_fade(made, static_cast<std::size_t>(c)) * made.fps) {}
 
   // What to add to what was made in the free frames first ... end - 1, of which those around are kept.
@@ -72,7 +74,36 @@ class ChannelJoin {
     return sum;
   }
 
+  // Eases the joins of a free stretch of `joined`, of which everything else is final.
+  void ease(std::int64_t first, std::int64_t end, Motion& joined) const {
+    const auto reach =
+        std::min(static_cast<std::int64_t>(std::lround(kEase * joined.fps)), (end - first) / 2 - 2);
+    if (usual_ <= 0 || reach < 2) return;
+    if (first >= 2 && kept_.keeps(first - 2, c_)) ease_from(first - 1, 1, reach, joined);
+    if (end + 1 < kept_.num_frames() && kept_.keeps(end + 1, c_)) ease_from(end, -1, reach, joined);
+  }
+
  private:
+  // From the kept frame `join` on, in the direction of what was made.
+  void ease_from(std::int64_t join, std::int64_t step, std::int64_t reach, Motion& joined) const {
+    const auto at = [&](std::int64_t i) -> float& {
+      return joined.frame(join + step * (i - 1))[static_cast<std::size_t>(c_)];
+    };
+    std::vector<double> values(static_cast<std::size_t>(reach + 4));
+    for (std::int64_t i = 0; i < reach + 4; ++i)
+      values[static_cast<std::size_t>(i)] = i < 2 ? kept(join + step * (i - 1)) : static_cast<double>(at(i));
+    const auto before = values;
+    // A join within what is rough in the motion itself need not be smoother than that.
+    const auto limit_at = [&](std::int64_t n) {
+      const bool has_both = n > 0 && n + 1 < kept_.num_frames();
+      return std::max(usual_, has_both ? std::abs(kept(n - 1) - 2 * kept(n) + kept(n + 1)) : 0.0);
+    };
+    ease_join(values, kEaseShare * limit_at(join), kEaseShare * limit_at(join + step), kEaseShare * usual_);
+    for (std::int64_t i = 2; i < reach + 2; ++i) {
+      const double change = values[static_cast<std::size_t>(i)] - before[static_cast<std::size_t>(i)];
+      at(i) = static_cast<float>(static_cast<double>(at(i)) + change);
+    }
+  }
   [[nodiscard]] double made(std::int64_t n) const {
     return static_cast<double>(made_.frame(n)[static_cast<std::size_t>(c_)]);
   }
@@ -104,8 +135,11 @@ class ChannelJoin {
   // What is made has accelerations of its own: a fade may add half of what is usual.
   static constexpr double kShare = 0.5, kShortest = 3;
   static constexpr double kGazeHold = 0.1, kGazeLeap = 0.08;  // seconds
+  static constexpr double kEase = 0.12;                       // seconds that easing may move
+  // Of a channel's usual acceleration: several channels at their limit together are rougher than usual.
+  static constexpr double kEaseShare = 0.7;
   bool is_gaze_;
-  double limit_, longest_;  // a frame squared; frames
+  double usual_, limit_, longest_;  // a frame squared twice; frames
 };
 
 double smooth(double u) {
@@ -219,11 +253,15 @@ void join_kept(const KeptValues& kept, Motion& made) {
       const std::vector<double> corrections = channel.corrections(first, end);
       for (std::int64_t n = first; n < end; ++n) {
         float& v = joined.frame(n)[static_cast<std::size_t>(c)];
-        const float own = v;
         v = static_cast<float>(static_cast<double>(v) + corrections[static_cast<std::size_t>(n - first)]);
-        if (made.space == MotionSpace::arkit &&
-            !made.channels[static_cast<std::size_t>(c)].starts_with("head"))
-          v = std::clamp(v, std::min(own, 0.0f), std::max(own, 1.0f));
+      }
+      channel.ease(first, end, joined);
+      const bool is_coefficient =
+          made.space == MotionSpace::arkit && !made.channels[static_cast<std::size_t>(c)].starts_with("head");
+      for (std::int64_t n = first; n < end && is_coefficient; ++n) {
+        const float own = made.frame(n)[static_cast<std::size_t>(c)];
+        float& v = joined.frame(n)[static_cast<std::size_t>(c)];
+        v = std::clamp(v, std::min(own, 0.0f), std::max(own, 1.0f));
       }
       first = end;
     }

@@ -53,6 +53,29 @@ TEST(JoinKept, KeepsBitsAndMeetsValueAndVelocity) {
   EXPECT_GT(acceleration(pasted, 39) + acceleration(pasted, 40), 0.05) << "a paste alone jumps";
 }
 
+// What the model makes may itself be rough at a join.
+TEST(JoinKept, EasesWhatIsRoughBesideAJoin) {
+  const auto rough = [](std::int64_t n) { return slow(n) + (n == 41 || n == 78 ? 0.02 : 0.0); };
+  const Motion motion = motion_of({{"mouthSmileLeft", slow}});
+  const KeptValues kept = outside(motion, 40, 80);
+  Motion made = motion_of({{"mouthSmileLeft", rough}});
+  join_kept(kept, made);
+  for (std::int64_t n = 0; n < 120; ++n)
+    if (n < 40 || n >= 80) {
+      EXPECT_EQ(made.values[static_cast<std::size_t>(n)], motion.values[static_cast<std::size_t>(n)]) << n;
+    }
+  for (const std::int64_t n : {39, 40, 79, 80}) EXPECT_LT(acceleration(made, n), 0.001) << n;
+  for (std::int64_t n = 40; n < 80; ++n) EXPECT_LT(acceleration(made, n), 0.041) << n;
+  for (std::int64_t n = 47; n < 73; ++n) EXPECT_EQ(at(made, n), static_cast<float>(slow(n))) << n;
+}
+
+TEST(JoinKept, DoesNotTouchWhatIsSmoothBesideAJoin) {
+  const Motion motion = motion_of({{"mouthSmileLeft", wave}});
+  Motion made = motion_of({{"mouthSmileLeft", wave}});
+  join_kept(outside(motion, 40, 80), made);
+  EXPECT_EQ(made.values, motion.values);
+}
+
 TEST(JoinKept, ShortStretchesFadeWithinThemselves) {
   const Motion motion = motion_of({{"headYaw", [](std::int64_t n) { return static_cast<double>(n) / 10; }}});
   for (const std::int64_t length : {1, 2, 5}) {

@@ -10,7 +10,8 @@ namespace mien {
 /// with t = 0 at the last kept frame, t = 1 after T, and no acceleration of its own at either end. T is long
 /// enough for the fade to accelerate the channel by half the 95th percentile of its accelerations in the
 /// motion, but at most the stretch, and from 0.25 s (lips) to 2 s (head). Of gaze, d is held for 0.1 s and
-/// then fades in 0.08 s: eyes leap. ARKit coefficients stay in 0 ... 1 where the model's are.
+/// then fades in 0.08 s: eyes leap. What is still rougher than usual beside a join is then eased, within 0.12
+/// s of it. ARKit coefficients stay in 0 ... 1 where the model's are.
 ///
 /// Lips that the model closes (jawOpen - mouthClose at most 0) stay closed: by mouthClose where it is not
 /// kept, else by jawOpen; what would part them falls back to the model's. Within 50 ms of a join this gives

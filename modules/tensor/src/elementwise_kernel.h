@@ -18,6 +18,17 @@ inline Floats load(const float* p) {
   return v;
 }
 inline void store(float* p, Floats v) { __builtin_memcpy(p, &v, sizeof v); }
+/// The first `count` of a register, zeros behind them.
+inline Floats load_some(const float* p, std::int64_t count) {
+  float lanes[kWidth] = {};
+  for (std::int64_t k = 0; k < count; ++k) lanes[k] = p[k];
+  return load(lanes);
+}
+inline void store_some(float* p, Floats v, std::int64_t count) {
+  float lanes[kWidth];
+  store(lanes, v);
+  for (std::int64_t k = 0; k < count; ++k) p[k] = lanes[k];
+}
 inline Floats absolute(Floats x) { return (Floats)((Ints)x & 0x7fffffff); }
 /// `magnitude` (not negative) with the sign of x.
 inline Floats with_sign(Floats magnitude, Floats x) {
@@ -101,62 +112,21 @@ template <class F>
 void map(const float* in, float* out, std::int64_t count) {
   std::int64_t i = 0;
   for (; i + kWidth <= count; i += kWidth) store(out + i, F::apply(load(in + i)));
-  if (i == count) return;
-  float rest[kWidth] = {};
-  for (std::int64_t k = i; k < count; ++k) rest[k - i] = in[k];
-  store(rest, F::apply(load(rest)));
-  for (std::int64_t k = i; k < count; ++k) out[k] = rest[k - i];
+  if (i < count) store_some(out + i, F::apply(load_some(in + i, count - i)), count - i);
 }
 
-/// Sum of value(i) for i < count in double, in an order that depends on `count` alone: 8 interleaved partial
-/// sums.
-template <class Value>
-double ordered_sum(std::int64_t count, Value&& value) {
-  double s[8] = {};
+void add(const float* y, std::int64_t count, float* x) {
   std::int64_t i = 0;
-  for (; i + 8 <= count; i += 8)
-    for (int k = 0; k < 8; ++k) s[k] += value(i + k);
-  for (int k = 0; i < count; ++i, ++k) s[k] += value(i);
-  return ((s[0] + s[4]) + (s[2] + s[6])) + ((s[1] + s[5]) + (s[3] + s[7]));
+  for (; i + kWidth <= count; i += kWidth) store(x + i, load(x + i) + load(y + i));
+  for (; i < count; ++i) x[i] += y[i];
 }
 
-void layer_norm_row(const float* in, const float* gamma, const float* beta, double eps, std::int64_t width,
-                    float* out) {
-  const auto n = static_cast<double>(width);
-  const double mean = ordered_sum(width, [&](std::int64_t i) { return static_cast<double>(in[i]); }) / n;
-  const double variance = ordered_sum(width,
-                                      [&](std::int64_t i) {
-                                        const double d = static_cast<double>(in[i]) - mean;
-                                        return d * d;
-                                      }) /
-                          n;
-  const double scale = 1.0 / __builtin_sqrt(variance + eps);
-  for (std::int64_t i = 0; i < width; ++i)
-    out[i] = static_cast<float>((static_cast<double>(in[i]) - mean) * scale) * gamma[i] + beta[i];
-}
-
-/// The largest of a row; of one that holds NaN, any value: the softmax of such a row is NaN in any case.
-float largest_of(const float* in, std::int64_t width) {
-  float largest = in[0];
-  Floats lanes = all(largest);
+void gated_gelu(const float* values, const float* gates, std::int64_t count, float* out) {
   std::int64_t i = 0;
-  for (; i + kWidth <= width; i += kWidth) {
-    const Floats x = load(in + i);
-    lanes = x > lanes ? x : lanes;
-  }
-  for (int k = 0; k < kWidth; ++k) largest = lanes[k] > largest ? lanes[k] : largest;
-  for (; i < width; ++i) largest = in[i] > largest ? in[i] : largest;
-  return largest;
-}
-
-void softmax_row(const float* in, std::int64_t width, float* out) {
-  if (width == 0) return;
-  const float largest = largest_of(in, width);
-  for (std::int64_t i = 0; i < width; ++i) out[i] = in[i] - largest;
-  map<Exp>(out, out, width);
-  const auto sum =
-      static_cast<float>(ordered_sum(width, [&](std::int64_t i) { return static_cast<double>(out[i]); }));
-  for (std::int64_t i = 0; i < width; ++i) out[i] /= sum;
+  for (; i + kWidth <= count; i += kWidth) store(out + i, load(values + i) * Gelu::apply(load(gates + i)));
+  const std::int64_t rest = count - i;
+  if (rest > 0)
+    store_some(out + i, load_some(values + i, rest) * Gelu::apply(load_some(gates + i, rest)), rest);
 }
 
 inline HalfWords bfloat16_of(Floats x) {
@@ -172,9 +142,7 @@ void round_to_bfloat16(const float* in, std::uint16_t* out, std::int64_t count) 
     __builtin_memcpy(out + i, &h, sizeof h);
   }
   if (i == count) return;
-  float rest[kWidth] = {};
-  for (std::int64_t k = i; k < count; ++k) rest[k - i] = in[k];
-  const HalfWords h = bfloat16_of(load(rest));
+  const HalfWords h = bfloat16_of(load_some(in + i, count - i));
   for (std::int64_t k = i; k < count; ++k) out[k] = h[k - i];
 }
 
@@ -201,11 +169,26 @@ void gru_row(const float* gi, const float* gh, const float* h, std::int64_t widt
   for (std::int64_t k = i; k < width; ++k) out[k] = rest[0][k - i];
 }
 
+}  // namespace
+}  // namespace mien::elementwise
+
+#include "row_kernel.h"
+
+namespace mien::elementwise {
+namespace {
+
 Kernels kernels() {
   return {{map<Exp>, map<Sigmoid>, map<Tanh>, map<Silu>, map<Gelu>, map<Relu>, map<Mish>},
+          add,
+          gated_gelu,
           layer_norm_row,
+          group_norm_rows,
           softmax_row,
+          exp_row,
+          band_row,
           round_to_bfloat16,
+          quantise_row,
+          dequantise_row,
           gru_row};
 }
 

@@ -2,11 +2,9 @@
 #include <omp.h>
 
 #include <algorithm>
-#include <bit>
-#include <cmath>
 #include <cstring>
-#include <limits>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <oneapi/dnnl/dnnl.hpp>
 #include <tuple>
@@ -59,29 +57,6 @@ dnnl::memory over(const dnnl::memory::desc& desc, const void* data) {
           const_cast<void*>(data)};  // the interface has no constant memory; inputs are only read
 }
 
-/// Rounds a row to 8 bits, symmetric, and returns the size of one step. NaN for a row that is not finite.
-/// Integer arithmetic on the bits of floats, because the compiler turns it into vector code.
-float quantise_row(const float* row, std::int64_t count, std::int8_t* out) {
-  std::int32_t largest_bits = 0;  // the bits of floats that are not negative are ordered as the floats are
-  for (std::int64_t i = 0; i < count; ++i) {
-    const std::int32_t bits = std::bit_cast<std::int32_t>(row[i]) & 0x7fffffff;
-    largest_bits = bits > largest_bits ? bits : largest_bits;
-  }
-  const auto largest = std::bit_cast<float>(largest_bits);
-  const float steps = 127.0f / largest;
-  if (!std::isfinite(largest) ||
-      !std::isfinite(steps)) {  // not finite; or zero, or so small that it is as good
-    std::fill_n(out, count, std::int8_t{0});
-    return std::isfinite(largest) ? 0.0f : std::numeric_limits<float>::quiet_NaN();
-  }
-  for (std::int64_t i = 0; i < count; ++i) {
-    const float shifted =
-        row[i] * steps + 12582912.0f;  // 1.5 * 2^23 leaves the rounded integer in the low bits
-    out[i] = static_cast<std::int8_t>(std::bit_cast<std::int32_t>(shifted) - 0x4b400000);
-  }
-  return largest / 127.0f;
-}
-
 /// The number of threads oneDNN may use, for the time of a scope.
 class Threads {
  public:
@@ -104,8 +79,8 @@ class OnednnKernel final : public PackedMatrix::Kernel {
       weight_steps_.resize(static_cast<std::size_t>(num_outputs));
       for (std::int64_t n = 0; n < num_outputs; ++n)
         weight_steps_[static_cast<std::size_t>(n)] =
-            quantise_row(weights + n * num_inputs, num_inputs,
-                         reinterpret_cast<std::int8_t*>(plain_.data()) + n * num_inputs);
+            kernels_.quantise_row(weights + n * num_inputs, num_inputs,
+                                  reinterpret_cast<std::int8_t*>(plain_.data()) + n * num_inputs);
     } else {
       plain_.resize(count * sizeof(float));
       std::memcpy(plain_.data(), weights, plain_.size());
@@ -120,7 +95,7 @@ class OnednnKernel final : public PackedMatrix::Kernel {
       case Backend::onednn_int8:
         return run_int8(x, bias, y, num_threads);
       default:
-        return execute(x.rows, x.stride, x.data, bias, y, num_threads);
+        return run_f32(x, bias, y, num_threads);
     }
   }
 
@@ -131,43 +106,63 @@ class OnednnKernel final : public PackedMatrix::Kernel {
     dnnl::memory weights;
   };
 
-  void run_bf16(const View& x, const float* bias, float* y, int num_threads) const {
-    std::vector<std::uint16_t> narrow(static_cast<std::size_t>(x.rows * num_inputs_));
-    const auto round = elementwise::best_kernels().round_to_bfloat16;
+  /// Whether rows begin within the one before, as those of a convolution do. oneDNN takes no such rows.
+  [[nodiscard]] bool overlap(const View& x) const { return x.rows > 1 && x.stride < num_inputs_; }
+
+  void run_f32(const View& x, const float* bias, float* y, int num_threads) const {
+    if (!overlap(x)) return execute(x.rows, x.stride, x.data, bias, y, num_threads);
+    AlignedFloats apart(x.rows * num_inputs_);
     for (std::int64_t m = 0; m < x.rows; ++m)
-      round(x.data + m * x.stride, narrow.data() + m * num_inputs_, num_inputs_);
-    execute(x.rows, num_inputs_, narrow.data(), bias, y, num_threads);
+      std::copy_n(x.data + m * x.stride, num_inputs_, apart.get() + m * num_inputs_);
+    execute(x.rows, num_inputs_, apart.get(), bias, y, num_threads);
+  }
+
+  void run_bf16(const View& x, const float* bias, float* y, int num_threads) const {
+    const auto narrow =
+        std::make_unique_for_overwrite<std::uint16_t[]>(static_cast<std::size_t>(x.rows * num_inputs_));
+    if (overlap(x)) {  // each value is rounded once, then copied
+      const std::int64_t count = (x.rows - 1) * x.stride + num_inputs_;
+      const auto once = std::make_unique_for_overwrite<std::uint16_t[]>(static_cast<std::size_t>(count));
+      kernels_.round_to_bfloat16(x.data, once.get(), count);
+      for (std::int64_t m = 0; m < x.rows; ++m)
+        std::copy_n(once.get() + m * x.stride, num_inputs_, narrow.get() + m * num_inputs_);
+    } else {
+      for (std::int64_t m = 0; m < x.rows; ++m)
+        kernels_.round_to_bfloat16(x.data + m * x.stride, narrow.get() + m * num_inputs_, num_inputs_);
+    }
+    execute(x.rows, num_inputs_, narrow.get(), bias, y, num_threads);
   }
 
   void run_int8(const View& x, const float* bias, float* y, int num_threads) const {
-    std::vector<std::int8_t> narrow(static_cast<std::size_t>(x.rows * num_inputs_));
-    std::vector<float> steps(static_cast<std::size_t>(x.rows));
-    for (std::int64_t m = 0; m < x.rows; ++m)
-      steps[static_cast<std::size_t>(m)] =
-          quantise_row(x.data + m * x.stride, num_inputs_, narrow.data() + m * num_inputs_);
-    std::vector<std::int32_t> sums(static_cast<std::size_t>(x.rows * num_outputs_));
-    execute(x.rows, num_inputs_, narrow.data(), nullptr, sums.data(), num_threads);
-    for (std::int64_t m = 0; m < x.rows; ++m) {
-      for (std::int64_t n = 0; n < num_outputs_; ++n) {
-        const float step = steps[static_cast<std::size_t>(m)] * weight_steps_[static_cast<std::size_t>(n)];
-        const auto i = static_cast<std::size_t>(m * num_outputs_ + n);
-        y[i] = static_cast<float>(sums[i]) * step + (bias != nullptr ? bias[n] : 0.0f);
-      }
+    const auto rows = static_cast<std::size_t>(x.rows);
+    const auto narrow =
+        std::make_unique_for_overwrite<std::int8_t[]>(static_cast<std::size_t>(x.rows * num_inputs_));
+    const auto steps = std::make_unique_for_overwrite<float[]>(rows);
+    for (std::size_t m = 0; m < rows; ++m) {
+      const auto row = static_cast<std::int64_t>(m);
+      steps[m] =
+          kernels_.quantise_row(x.data + row * x.stride, num_inputs_, narrow.get() + row * num_inputs_);
     }
+    const auto sums =
+        std::make_unique_for_overwrite<std::int32_t[]>(static_cast<std::size_t>(x.rows * num_outputs_));
+    execute(x.rows, num_inputs_, narrow.get(), nullptr, sums.get(), num_threads);
+    for (std::int64_t m = 0; m < x.rows; ++m)
+      kernels_.dequantise_row(sums.get() + m * num_outputs_, steps[static_cast<std::size_t>(m)],
+                              weight_steps_.data(), bias, num_outputs_, y + m * num_outputs_);
   }
 
   void execute(std::int64_t rows, std::int64_t x_stride, const void* x, const float* bias, void* y,
                int num_threads) const {
     const Plan plan = plan_for(rows, x_stride, bias != nullptr, num_threads);
     const auto scratch_desc = plan.desc.scratchpad_desc();
-    std::vector<std::byte> scratch(scratch_desc.get_size() + 64);
-    const auto address = reinterpret_cast<std::uintptr_t>(scratch.data());
+    const auto scratch = std::make_unique_for_overwrite<std::byte[]>(scratch_desc.get_size() + 64);
+    const auto address = reinterpret_cast<std::uintptr_t>(scratch.get());
     dnnl::stream stream(engine());
     std::unordered_map<int, dnnl::memory> arguments{
         {DNNL_ARG_SRC, over(plan.desc.src_desc(), x)},
         {DNNL_ARG_WEIGHTS, plan.weights},
         {DNNL_ARG_DST, over(plan.desc.dst_desc(), y)},
-        {DNNL_ARG_SCRATCHPAD, over(scratch_desc, scratch.data() + (64 - address % 64) % 64)}};
+        {DNNL_ARG_SCRATCHPAD, over(scratch_desc, scratch.get() + (64 - address % 64) % 64)}};
     if (bias != nullptr) arguments.insert({DNNL_ARG_BIAS, over(plan.desc.bias_desc(), bias)});
     plan.primitive.execute(stream, arguments);
     stream.wait();
@@ -204,6 +199,7 @@ class OnednnKernel final : public PackedMatrix::Kernel {
   std::int64_t num_outputs_, num_inputs_;
   Backend backend_;
   Types types_;
+  const elementwise::Kernels& kernels_ = elementwise::best_kernels();
   std::vector<std::byte> plain_;     ///< [N, K] float32, or int8
   std::vector<float> weight_steps_;  ///< [N], int8 only
   mutable std::mutex mutex_;

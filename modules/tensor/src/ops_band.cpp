@@ -19,27 +19,20 @@ void attention_within(const View& q, const View& k, const View& v, std::int64_t 
              "attention_within: a range holds no keys, or keys that are not there");
     most = std::max(most, range.end - range.first);
   }
-  const auto& kernels = elementwise::best_kernels();
-  std::vector<float> weights(static_cast<std::size_t>(most));
+  const auto band_row = elementwise::best_kernels().band_row;
+  std::vector<float> scores(static_cast<std::size_t>(heads * most));
   for (std::int64_t n = 0; n < q.rows; ++n) {
     const auto [first, end] = ranges[static_cast<std::size_t>(n)];
-    for (std::int64_t h = 0; h < heads; ++h) {
-      const float* query = q.data + n * q.stride + h * width;
-      float* mixed = out + n * q.columns + h * width;
-      for (std::int64_t t = first; t < end; ++t) {
-        const float* key = k.data + t * k.stride + h * width;
-        float sum = 0;
-        for (std::int64_t i = 0; i < width; ++i) sum += query[i] * key[i];
-        weights[static_cast<std::size_t>(t - first)] = sum;
-      }
-      kernels.softmax_row(weights.data(), end - first, weights.data());
-      std::fill_n(mixed, width, 0.0f);
-      for (std::int64_t t = first; t < end; ++t) {
-        const float weight = weights[static_cast<std::size_t>(t - first)];
-        const float* value = v.data + t * v.stride + h * width;
-        for (std::int64_t i = 0; i < width; ++i) mixed[i] += weight * value[i];
-      }
-    }
+    band_row({.q = q.data + n * q.stride,
+              .k = k.data + first * k.stride,
+              .v = v.data + first * v.stride,
+              .k_stride = k.stride,
+              .v_stride = v.stride,
+              .heads = heads,
+              .width = width,
+              .count = end - first,
+              .scores = scores.data(),
+              .out = out + n * q.columns});
   }
 }
 

@@ -25,6 +25,7 @@ std::string_view backend_name(Backend backend) {
 
 bool backend_available(Backend backend) {
   if (backend == Backend::rowwise) return true;
+  if (backend == Backend::onednn_bf16 && rowwise_bf16_available()) return true;
   return backend == Backend::eigen ? eigen_available() : onednn_available(backend);
 }
 
@@ -44,6 +45,11 @@ PackedMatrix::PackedMatrix(std::span<const float> weights, std::int64_t num_outp
       break;
     case Backend::eigen:
       kernel_ = make_eigen_kernel(weights.data(), num_outputs, num_inputs);
+      break;
+    case Backend::onednn_bf16:
+      kernel_ = rowwise_bf16_available()
+                    ? make_rowwise_bf16_kernel(weights.data(), num_outputs, num_inputs)
+                    : make_onednn_kernel(weights.data(), num_outputs, num_inputs, backend);
       break;
     default:
       kernel_ = make_onednn_kernel(weights.data(), num_outputs, num_inputs, backend);

@@ -8,8 +8,9 @@
 namespace mien {
 namespace rowwise {
 
-Multiply multiply_for(InstructionSet set) {
+Multiply multiply_for(InstructionSet set, [[maybe_unused]] bool is_bf16) {
 #ifdef MIEN_X86_KERNELS
+  if (is_bf16) return multiply_avx512bf16;
   if (set == InstructionSet::avx512) return multiply_avx512;
   if (set == InstructionSet::avx2) return multiply_avx2;
 #endif

@@ -30,5 +30,8 @@ using Multiply = void (*)(const Block&);
 void multiply_generic(const Block& block);
 void multiply_avx2(const Block& block);
 void multiply_avx512(const Block& block);
+/// x and panels hold pairs of bfloat16 in the place of floats, strides and inputs count pairs; sums are
+/// float.
+void multiply_avx512bf16(const Block& block);
 
 }  // namespace mien::rowwise

@@ -7,6 +7,7 @@
 #include <limits>
 #include <vector>
 
+#include "backends.h"
 #include "mien/base/random.h"
 #include "rowwise_dispatch.h"
 
@@ -109,6 +110,17 @@ TEST_P(EveryBackend, ReadsRowsApart) {
   EXPECT_LT(p.error_of(y), tolerance());
 }
 
+// As a convolution sees its input: each row begins within the one before.
+TEST_P(EveryBackend, ReadsRowsThatOverlap) {
+  Problem p(9, 40, 24);
+  const auto run = random_values(8 * 16 + 40, 4);
+  for (std::size_t i = 0; i < 9; ++i) std::copy_n(run.data() + i * 16, 40, p.x.data() + i * 40);
+  std::vector<float> y(9 * 24);
+  matmul({run.data(), 9, 40, 16}, p.packed(GetParam()), p.bias.data(), y.data());
+  EXPECT_LT(p.error_of(y), tolerance());
+  EXPECT_EQ(y, p.run(GetParam()));
+}
+
 TEST_P(EveryBackend, SpoilsOnlyTheRowThatHoldsNan) {
   Problem p(8, 32, 20);
   p.x[3 * 32 + 5] = std::numeric_limits<float>::quiet_NaN();
@@ -140,6 +152,40 @@ TEST(Rowwise, RowsHaveTheSameBitsWhateverTheirNumber) {
       const std::int64_t first = 37 - m;  // a window at another place, so other tiles meet the rows
       matmul({whole.x.data() + first * k, m, k, k}, packed, whole.bias.data(), y.data());
       ASSERT_TRUE(std::equal(y.begin(), y.end(), all.begin() + first * n)) << "M = " << m << ", K = " << k;
+    }
+  }
+}
+
+TEST(RowwiseBf16, RowsHaveTheSameBitsWhateverTheirNumber) {
+  if (!rowwise_bf16_available()) GTEST_SKIP() << "this processor does not multiply bfloat16";
+  for (const auto [k, n] : {std::array{160, 160}, {77, 55}, {3, 1}, {64, 300}}) {
+    const Problem whole(37, k, n);
+    const auto all = whole.run(Backend::onednn_bf16);
+    EXPECT_EQ(whole.run(Backend::onednn_bf16, true, 3), all);
+    const auto packed = whole.packed(Backend::onednn_bf16);
+    for (std::int64_t m = 1; m <= 37; ++m) {
+      std::vector<float> y(static_cast<std::size_t>(m * n));
+      const std::int64_t first = 37 - m;
+      matmul({whole.x.data() + first * k, m, k, k}, packed, whole.bias.data(), y.data());
+      ASSERT_TRUE(std::equal(y.begin(), y.end(), all.begin() + first * n)) << "M = " << m << ", K = " << k;
+    }
+  }
+}
+
+// The kernel of other processors rounds the same numbers: only the order of sums differs.
+TEST(RowwiseBf16, AgreesWithOnednn) {
+  if (!rowwise_bf16_available() || !onednn_available(Backend::onednn_bf16))
+    GTEST_SKIP() << "there are not both kernels here";
+  for (const auto [m, k, n] : {std::array{9, 40, 24}, {1, 7, 3}, {50, 576, 192}}) {
+    const Problem p(m, k, n);
+    const auto own = make_rowwise_bf16_kernel(p.w.data(), n, k),
+               theirs = make_onednn_kernel(p.w.data(), n, k, Backend::onednn_bf16);
+    for (const View& x : {p.view(), View{p.x.data(), m / 2 + 1, k, k / 2}}) {  // and rows that overlap
+      const auto count = static_cast<std::size_t>(x.rows * n);
+      std::vector<float> a(count), b(count);
+      own->run(x, p.bias.data(), a.data(), 1);
+      theirs->run(x, p.bias.data(), b.data(), 1);
+      for (std::size_t i = 0; i < count; ++i) ASSERT_NEAR(a[i], b[i], 1e-4) << m << ' ' << k << ' ' << i;
     }
   }
 }

@@ -201,10 +201,22 @@ TEST(Rows, EveryInstructionSetGivesTheSameBits) {
     std::vector<std::vector<float>> results;
     for (const auto set : usable_instruction_sets()) {
       const auto kernels = elementwise::kernels_for(set);
-      std::vector<float> y(static_cast<std::size_t>(3 * width));
+      std::vector<float> y(static_cast<std::size_t>(5 * width));
       kernels.layer_norm_row(x.data(), gh.data(), h.data(), 1e-5, width, y.data());
       kernels.softmax_row(x.data(), width, y.data() + width);
       kernels.gru_row(x.data(), gh.data(), h.data(), width, y.data() + 2 * width);
+      y.push_back(kernels.exp_row(x.data(), width, y.data() + 3 * width));
+      float scores[3];
+      kernels.band_row({.q = h.data(),
+                        .k = x.data(),
+                        .v = gh.data(),
+                        .k_stride = width,
+                        .v_stride = width,
+                        .heads = 1,
+                        .width = width,
+                        .count = 3,
+                        .scores = scores,
+                        .out = y.data() + 4 * width});
       results.push_back(y);
       EXPECT_TRUE(same_bits(y, results.front())) << instruction_set_name(set) << ", width " << width;
     }

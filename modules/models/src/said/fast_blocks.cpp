@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "mien/tensor/in_place.h"
 
@@ -10,6 +11,7 @@ namespace {
 
 // Rows of a tile of the feed-forward part, whose inner values then stay in the cache.
 constexpr std::int64_t kTileRows = 48;
+constexpr double kLayerNormEps = 1e-5;
 
 Tensor values_of(const PlainWeights& from) { return from; }
 
@@ -57,48 +59,13 @@ Tensor as_matrix(const Tensor& x) { return x.reshaped({x.size(0), x.count() / x.
 
 }  // namespace
 
-Tensor normed_and_padded(const Tensor& x, const PackedGroupNorm& norm, bool silu) {
-  const std::int64_t width = x.width(), num_rows = x.num_rows(), size = width / Sizes::kGroups;
-  const auto columns = static_cast<std::size_t>(width);
-  std::vector<double> sums(columns), means(columns), squares(columns);
-  const auto each_row = [&](const auto& use) {
-    for (std::int64_t n = 0; n < num_rows; ++n) use(x.data() + n * width);
-  };
-  const double count = static_cast<double>(num_rows) * static_cast<double>(size);
-  // The mean over the channels of each group, for every channel.
-  const auto spread = [&](const std::vector<double>& of, std::vector<double>& to) {
-    for (std::size_t first = 0; first < columns; first += static_cast<std::size_t>(size)) {
-      double sum = 0;
-      for (std::size_t i = first; i < first + static_cast<std::size_t>(size); ++i) sum += of[i];
-      std::fill_n(to.begin() + static_cast<std::ptrdiff_t>(first), size, sum / count);
-    }
-  };
-  each_row([&](const float* row) {
-    for (std::size_t i = 0; i < columns; ++i) sums[i] += static_cast<double>(row[i]);
-  });
-  spread(sums, means);
-  each_row([&](const float* row) {
-    for (std::size_t i = 0; i < columns; ++i) {
-      const double d = static_cast<double>(row[i]) - means[i];
-      squares[i] += d * d;
-    }
-  });
-  spread(squares, sums);
-  std::vector<float> mean(columns), factor(columns);
-  for (std::size_t i = 0; i < columns; ++i) {
-    mean[i] = static_cast<float>(means[i]);
-    factor[i] = static_cast<float>(norm.gamma.data()[i] / std::sqrt(sums[i] + norm.eps));
-  }
+Tensor normed_and_padded(const Tensor& x, const PackedGroupNorm& norm) {
+  const std::int64_t width = x.width(), num_rows = x.num_rows();
   Tensor out = Tensor::uninitialized({num_rows + 2, width});
   std::fill_n(out.data(), width, 0.0f);
   std::fill_n(out.data() + (num_rows + 1) * width, width, 0.0f);
-  float* to = out.data() + width;
-  const float* beta = norm.beta.data();
-  each_row([&](const float* row) {
-    for (std::size_t i = 0; i < columns; ++i) to[i] = (row[i] - mean[i]) * factor[i] + beta[i];
-    to += width;
-  });
-  if (silu) silu_in_place(out.values().subspan(columns, x.values().size()));
+  group_norm_rows(x, norm.gamma, norm.beta, {.groups = Sizes::kGroups, .eps = norm.eps, .silu = true},
+                  out.data() + width);
   return out;
 }
 
@@ -130,8 +97,8 @@ FastResBlock::FastResBlock(const ResBlock<PlainWeights>& from, const Tensor& emb
 }
 
 Tensor FastResBlock::run(const Tensor& x, std::int64_t step) const {
-  const Tensor h = convolved(normed_and_padded(x, in_norm, true), in_conv, step_bias.row(step));
-  Tensor y = convolved(normed_and_padded(h, out_norm, true), out_conv, out_conv.bias.values());
+  const Tensor h = convolved(normed_and_padded(x, in_norm), in_conv, step_bias.row(step));
+  Tensor y = convolved(normed_and_padded(h, out_norm), out_conv, out_conv.bias.values());
   if (skip.weight.num_outputs() == 0) {
     add_in_place(y.values(), x.values());
   } else {
@@ -180,16 +147,15 @@ FastTransformerBlock::FastTransformerBlock(const TransformerBlock<PlainWeights>&
 }
 
 Tensor FastTransformerBlock::begin(const Tensor& x) const {
-  const Tensor with_edges = normed_and_padded(x, norm, false);
-  Tensor y = rows(with_edges, 1, x.num_rows());
-  Tensor normed = y;
-  layer_norm_in_place(normed.values(), {}, norm1_gamma, norm1_beta);
+  Tensor y = Tensor::uninitialized(x.shape()), normed = Tensor::uninitialized(x.shape());
+  group_norm_rows(x, norm.gamma, norm.beta, {.groups = Sizes::kGroups, .eps = norm.eps}, y.data());
+  layer_norm_rows(y.values(), norm1_gamma, norm1_beta, kLayerNormEps, normed.data());
   Tensor projected = Tensor::uninitialized({x.num_rows(), 3 * width});
   matmul(normed.view(), query_key_value, nullptr, projected.data());
   const auto part = [&](std::int64_t p) {
     return View{projected.data() + p * width, x.num_rows(), width, 3 * width};
   };
-  attention({part(0), part(1), part(2), heads}, normed.data());
+  attention({part(0), part(1), part(2), heads, -1, query_key_value.backend()}, normed.data());
   Tensor change = Tensor::uninitialized(y.shape());
   matmul(normed.view(), self_out.weight, self_out.bias.data(), change.data());
   add_in_place(y.values(), change.values());
@@ -200,8 +166,8 @@ Tensor FastTransformerBlock::end(const Tensor& x, Tensor y, const Tensor* keys_a
                                  std::span<const KeyRange> ranges) const {
   const std::int64_t num_rows = x.num_rows();
   if (keys_and_values != nullptr) {
-    Tensor normed = y, queries = Tensor::uninitialized(y.shape());
-    layer_norm_in_place(normed.values(), {}, norm2_gamma, norm2_beta);
+    Tensor normed = Tensor::uninitialized(y.shape()), queries = Tensor::uninitialized(y.shape());
+    layer_norm_rows(y.values(), norm2_gamma, norm2_beta, kLayerNormEps, normed.data());
     matmul(normed.view(), query.weight, nullptr, queries.data());
     const auto part = [&](std::int64_t p) {
       return View{keys_and_values->data() + p * width, keys_and_values->num_rows(), width, 2 * width};
@@ -218,22 +184,22 @@ Tensor FastTransformerBlock::end(const Tensor& x, Tensor y, const Tensor* keys_a
   Tensor joined = Tensor::uninitialized({normed.num_rows(), inner + width});
   for (std::int64_t first = 0; first < num_rows; first += kTileRows) {
     const std::int64_t count = std::min(kTileRows, num_rows - first);
-    const auto tile =
-        y.values().subspan(static_cast<std::size_t>(first * width), static_cast<std::size_t>(count * width));
-    const auto own = normed.values().first(tile.size());
-    std::ranges::copy(tile, own.begin());
-    layer_norm_in_place(own, {}, norm3_gamma, norm3_beta);
+    const auto own = [&](auto& of) {
+      return of.values().subspan(static_cast<std::size_t>(first * width),
+                                 static_cast<std::size_t>(count * width));
+    };
+    layer_norm_rows(own(std::as_const(y)), norm3_gamma, norm3_beta, kLayerNormEps, normed.data());
     matmul(rows_of(normed, 0, count), expand.weight, expand.bias.data(), both.data());
     for (std::int64_t n = 0; n < count; ++n) {
-      const auto values = both.row(n), to = joined.row(n);
-      const auto gate = values.subspan(static_cast<std::size_t>(inner));
-      gelu_in_place(gate);
-      for (std::size_t i = 0; i < gate.size(); ++i) to[i] = values[i] * gate[i];
-      std::ranges::copy(y.row(first + n), to.begin() + inner);
+      const float* values = both.data() + n * 2 * inner;
+      float* to = joined.data() + n * joined.width();
+      const auto size = static_cast<std::size_t>(inner);
+      gated_gelu({values, size}, {values + inner, size}, to);
+      std::copy_n(y.data() + (first + n) * width, width, to + inner);
     }
     matmul(rows_of(joined, 0, count), finish.weight, finish.bias.data(), out.data() + first * width);
+    add_in_place(own(out), own(x));
   }
-  add_in_place(out.values(), x.values());
   return out;
 }
 

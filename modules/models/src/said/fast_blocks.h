@@ -22,9 +22,9 @@ struct PackedGroupNorm {
   double eps = 1e-5;
 };
 
-/// A group norm of x [N, width], with a SiLU behind it where `silu`, written to rows 1 ... N of [N + 2,
-/// width] whose first and last row become zeros.
-Tensor normed_and_padded(const Tensor& x, const PackedGroupNorm& norm, bool silu);
+/// SiLU of a group norm of x [N, width], in rows 1 ... N of [N + 2, width] whose first and last row are
+/// zeros.
+Tensor normed_and_padded(const Tensor& x, const PackedGroupNorm& norm);
 
 /// The same values behind and before a row of zeros.
 Tensor padded(const Tensor& x);

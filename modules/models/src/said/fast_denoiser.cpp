@@ -76,7 +76,7 @@ struct FastDenoiser::Packed {
     u = end(decoder_mix, u, decoder_mix.begin(u));
     Tensor w = decoder_res2.run(beside(u, shared.h0), step);
     w = end(decoder_mix2, w, decoder_mix2.begin(w));
-    return convolved(normed_and_padded(w, out_norm, true), out, out.bias.values());
+    return convolved(normed_and_padded(w, out_norm), out, out.bias.values());
   }
 
   Sizes sizes;

@@ -15,7 +15,7 @@ enum class Backend {
   /// number of threads and the processor are: what streaming needs to equal offline.
   rowwise,
   onednn,       ///< oneDNN, float32
-  onednn_bf16,  ///< oneDNN, inputs and weights rounded to bfloat16, float32 sums
+  onednn_bf16,  ///< inputs and weights rounded to bfloat16, float32 sums; own kernel where AVX512-BF16 is
   onednn_int8,  ///< oneDNN, weights in 8 bits with a scale per output, inputs with a scale per row; 32-bit
                 ///< exact sums
   eigen,        ///< Eigen, float32: portable

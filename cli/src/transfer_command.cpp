@@ -49,6 +49,7 @@ Facts facts_of(const TransferArguments& a, const ShapeTransferReport& report, st
   facts.add("triangles", static_cast<std::int64_t>(report.num_triangles));
   facts.add("triangles_with_partner", static_cast<std::int64_t>(report.num_paired));
   facts.add("vertices_held", static_cast<std::int64_t>(report.num_held));
+  facts.add("vertices_tied", static_cast<std::int64_t>(report.num_ties));
   facts.add("registration_seconds", report.registration_seconds, 3, "s");
   facts.add("factor_seconds", report.factor_seconds, 3, "s");
   facts.add("shapes_seconds", report.solve_seconds, 3, "s");

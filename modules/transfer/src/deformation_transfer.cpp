@@ -11,6 +11,9 @@ namespace {
 
 using Sparse = Eigen::SparseMatrix<double>;
 
+/// Of a tie, beside the triangles around both vertices: how little they may part.
+constexpr double kTieStiffness = 1e4;
+
 double distance_squared(const Matrix3& a, const Matrix3& b) {
   double sum = 0;
   for (std::size_t i = 0; i < 3; ++i) sum += dot(a[i] - b[i], a[i] - b[i]);
@@ -52,6 +55,8 @@ struct DeformationTransfer::State {
   std::vector<bool> has_area, is_paired;
   std::vector<int> unknown;  // [V] row of the system, or -1 for held vertices
   std::vector<Anchor> anchors;
+  std::vector<Tie> ties;
+  std::vector<double> tie_weights;
   int num_unknown = 0;
   Sparse coupling;  // [unknown, V] to the held vertices
   Eigen::SimplicialLDLT<Sparse> factor;
@@ -68,12 +73,13 @@ struct DeformationTransfer::State {
 
 Result<DeformationTransfer> DeformationTransfer::create(Surface target, std::vector<TrianglePair> pairs,
                                                         std::span<const std::uint32_t> held,
-                                                        std::vector<Anchor> anchors) {
+                                                        std::vector<Anchor> anchors, std::vector<Tie> ties) {
   auto state = std::make_unique<State>();
   State& s = *state;
   s.target = std::move(target);
   s.pairs = std::move(pairs);
   s.anchors = std::move(anchors);
+  s.ties = std::move(ties);
   const std::size_t num_vertices = s.target.points.size(), num_triangles = s.target.triangles.size();
   s.gradients.resize(num_triangles);
   s.has_area.resize(num_triangles);
@@ -94,6 +100,11 @@ Result<DeformationTransfer> DeformationTransfer::create(Surface target, std::vec
   for (const std::uint32_t v : held) is_held.at(v) = true;
   for (std::size_t v = 0; v < num_vertices; ++v)
     if (!is_used[v]) is_held[v] = true;
+  for (const Tie& tie : s.ties) {
+    contract(tie.a < num_vertices && tie.b < num_vertices,
+             "DeformationTransfer: a tie names a vertex that is not there");
+    solid.push_back({tie.a, tie.b, tie.b});
+  }
   const auto component = components(num_vertices, solid);
   std::vector<bool> is_placed(num_vertices);  // components
   for (std::size_t v = 0; v < num_vertices; ++v)
@@ -107,18 +118,31 @@ Result<DeformationTransfer> DeformationTransfer::create(Surface target, std::vec
   for (std::size_t v = 0; v < num_vertices; ++v) s.unknown.push_back(is_held[v] ? -1 : s.num_unknown++);
 
   std::vector<Eigen::Triplet<double>> inner, outer;
+  std::vector<double> stiffness(num_vertices);
+  const auto add = [&](std::uint32_t v, std::uint32_t other, double value) {
+    if (s.unknown[v] < 0) return;
+    if (s.unknown[other] < 0)
+      outer.emplace_back(s.unknown[v], static_cast<int>(other), value);
+    else
+      inner.emplace_back(s.unknown[v], s.unknown[other], value);
+  };
   s.for_each_equation({}, [&](std::uint32_t t, const Matrix3&) {
     for (std::size_t a = 0; a < 3; ++a)
       for (std::size_t b = 0; b < 3; ++b) {
         const std::uint32_t va = s.target.triangles[t][a], vb = s.target.triangles[t][b];
-        if (s.unknown[va] < 0) continue;
         const double value = dot(s.gradients[t][a], s.gradients[t][b]);
-        if (s.unknown[vb] < 0)
-          outer.emplace_back(s.unknown[va], static_cast<int>(vb), value);
-        else
-          inner.emplace_back(s.unknown[va], s.unknown[vb], value);
+        add(va, vb, value);
+        if (a == b) stiffness[va] += value;
       }
   });
+  for (const Tie& tie : s.ties) {
+    const double weight = kTieStiffness * (stiffness[tie.a] + stiffness[tie.b]);
+    s.tie_weights.push_back(weight);
+    add(tie.a, tie.a, weight);
+    add(tie.b, tie.b, weight);
+    add(tie.a, tie.b, -weight);
+    add(tie.b, tie.a, -weight);
+  }
   for (const Anchor& anchor : s.anchors)
     if (const int row = s.unknown[anchor.vertex]; row >= 0) inner.emplace_back(row, row, anchor.weight);
   Sparse matrix(s.num_unknown, s.num_unknown);
@@ -152,6 +176,14 @@ DeformationTransfer::Shape DeformationTransfer::transfer(std::span<const Matrix3
     if (const int row = s.unknown[s.anchors[i].vertex]; row >= 0)
       for (int axis = 0; axis < 3; ++axis)
         rhs(row, axis) += s.anchors[i].weight * places[i][static_cast<std::size_t>(axis)];
+  for (std::size_t i = 0; i < s.ties.size(); ++i) {
+    const auto [a, b] = s.ties[i];
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const double apart = s.tie_weights[i] * (s.target.points[a][axis] - s.target.points[b][axis]);
+      if (s.unknown[a] >= 0) rhs(s.unknown[a], static_cast<Eigen::Index>(axis)) += apart;
+      if (s.unknown[b] >= 0) rhs(s.unknown[b], static_cast<Eigen::Index>(axis)) -= apart;
+    }
+  }
   Eigen::MatrixXd rest(static_cast<Eigen::Index>(s.target.points.size()), 3);
   for (std::size_t v = 0; v < s.target.points.size(); ++v)
     for (std::size_t axis = 0; axis < 3; ++axis)

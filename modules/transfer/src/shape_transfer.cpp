@@ -189,8 +189,10 @@ Result<ShapeTransferResult> transfer_shapes(const TransferMesh& source_mesh,
   const auto held = far_vertices(registered, target.surface, pairs, kHeldReaches * fit.reach);
   const double steady = kAnchorReaches * fit.reach;
   const Anchors anchors(source.surface, target.surface, pairs, 2 / (steady * steady));
+  const auto ties = touching_vertices(target.surface);
   MIEN_TRY(const DeformationTransfer solver,
-           DeformationTransfer::create(target.surface, pairs, held, anchors.all()));
+           DeformationTransfer::create(target.surface, pairs, held, anchors.all(), ties));
+  report.num_ties = ties.size();
   report.num_held = held.size() + target_mesh.mesh->positions.size() - target.whole.size();
   report.num_triangles = target.surface.triangles.size();
   std::vector<bool> is_paired(report.num_triangles);

@@ -74,6 +74,37 @@ TEST(DeformationTransfer, AnchorsSayWhereASurfaceIs) {
     EXPECT_NEAR(norm(shape.points[v] - (surface.points[v] + shift)), 0, 1e-10);
 }
 
+TEST(DeformationTransfer, TiedPiecesDeformAsOne) {
+  const Surface whole = sheet(9, 7), cut = cut_along(whole, 9, 4);
+  auto wanted = deformation_gradients(whole, bent(whole));
+  // Nothing deforms like this, so that every piece alone would go its own way.
+  for (std::size_t t = 0; t < wanted.size(); t += 3) wanted[t][0][1] += 0.4;
+  const std::uint32_t held[] = {0};
+  const auto one = DeformationTransfer::create(whole, all_pairs(whole), held);
+  const auto two = DeformationTransfer::create(cut, all_pairs(cut), held, {}, touching_vertices(cut));
+  const auto parted = DeformationTransfer::create(cut, all_pairs(cut), held);
+  ASSERT_TRUE(one && two && parted);
+  const auto shape = one->transfer(wanted), tied = two->transfer(wanted), loose = parted->transfer(wanted);
+  double most = 0;
+  for (std::size_t v = 0; v < whole.points.size(); ++v)
+    EXPECT_NEAR(norm(tied.points[v] - shape.points[v]), 0, 1e-3) << v;
+  for (std::size_t j = 0; j < 7; ++j) {
+    EXPECT_NEAR(norm(tied.points[63 + j] - tied.points[9 * j + 4]), 0, 1e-4) << j;
+    most = std::max(most, norm(loose.points[63 + j] - loose.points[9 * j + 4]));
+  }
+  EXPECT_GT(most, 0.05) << "without ties the cut opens";
+  // At rest it stays at rest, also where copies are not quite at one place and where one of them is held.
+  Surface apart = cut;
+  for (std::size_t v = 63; v < apart.points.size(); ++v) apart.points[v][1] += 1e-3;
+  const std::uint32_t on_the_cut[] = {63, 4};
+  const auto still =
+      DeformationTransfer::create(apart, all_pairs(apart), on_the_cut, {}, touching_vertices(apart));
+  ASSERT_TRUE(still);
+  const auto rest = still->transfer(deformation_gradients(apart, apart.points));
+  for (std::size_t v = 0; v < apart.points.size(); ++v)
+    EXPECT_NEAR(norm(rest.points[v] - apart.points[v]), 0, 1e-9);
+}
+
 TEST(DeformationGradients, AreTheMapWithinAndTheNormalAcross) {
   const Surface one{{{0, 0, 0}, {2, 0, 0}, {0, 3, 0}}, {{0, 1, 2}}};
   const std::vector<Point3> turned = {{1, 1, 1}, {1, 1, 5}, {1, 7, 1}};  // x -> 2 z, y -> 2 y, z -> -x

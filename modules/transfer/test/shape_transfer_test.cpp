@@ -65,6 +65,24 @@ TEST(ShapeTransfer, MakesTheShapesOfTheSameSurfaceOnAnotherMesh) {
   EXPECT_EQ(again->shapes[0].offsets, result->shapes[0].offsets);
 }
 
+TEST(ShapeTransfer, PiecesThatTouchStayTogether) {
+  const Mesh source = mesh_of(sheet(11, 11)), target = mesh_of(cut_along(sheet(17, 15), 17, 6));
+  const std::vector<Blendshape> shapes = {shape_of(sheet(11, 11), "raise", 1)};
+  Progress progress;
+  const auto result = transfer_shapes({&source}, shapes, {&target}, kMarkers, {}, progress);
+  ASSERT_TRUE(result.has_value()) << result.error().message();
+  EXPECT_EQ(result->report.num_ties, 15u);
+  std::vector<Point3> moved(target.positions.size());
+  for (std::size_t m = 0; m < result->shapes[0].vertices.size(); ++m) {
+    const Vec3& o = result->shapes[0].offsets[m];
+    moved[result->shapes[0].vertices[m]] = {o.x, o.y, o.z};
+  }
+  for (std::size_t j = 0; j < 15; ++j) {
+    const Point3 &left = moved[17 * j + 6], &right = moved[255 + j];
+    for (std::size_t axis = 0; axis < 3; ++axis) EXPECT_NEAR(left[axis], right[axis], 2e-5) << j;  // of 0.2
+  }
+}
+
 TEST(ShapeTransfer, ExcludedPartsDoNotMove) {
   const Mesh source = mesh_of(sheet(11, 11)), target = mesh_of(sheet(17, 15));
   std::vector<bool> excluded(target.positions.size());

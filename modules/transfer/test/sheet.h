@@ -24,6 +24,25 @@ inline Surface sheet(int columns, int rows, double size = 1) {
   return surface;
 }
 
+/// A sheet of `columns` columns cut along one of them: two pieces, the right one with copies of the vertices
+/// on the cut behind all others, from the first row on.
+inline Surface cut_along(const Surface& sheet, int columns, int column) {
+  Surface cut = sheet;
+  const auto num_rows = sheet.points.size() / static_cast<std::size_t>(columns);
+  const auto column_of = [&](std::uint32_t v) { return static_cast<int>(v) % columns; };
+  for (std::size_t j = 0; j < num_rows; ++j)
+    cut.points.push_back(
+        sheet.points[j * static_cast<std::size_t>(columns) + static_cast<std::size_t>(column)]);
+  for (Triangle& t : cut.triangles) {
+    bool is_right = false;
+    for (const std::uint32_t v : t) is_right = is_right || column_of(v) > column;
+    for (std::uint32_t& v : t)
+      if (is_right && column_of(v) == column)
+        v = static_cast<std::uint32_t>(sheet.points.size()) + v / static_cast<std::uint32_t>(columns);
+  }
+  return cut;
+}
+
 inline Mesh mesh_of(const Surface& surface) {
   Mesh mesh;
   for (const Point3& p : surface.points)

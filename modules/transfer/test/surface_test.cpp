@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
 
 #include "../src/nearest.h"
 #include "mien/base/random.h"
@@ -33,6 +34,46 @@ TEST(Surface, NormalsOfTrianglesWithoutAreaAreZero) {
   const Surface line{{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, {{0, 1, 2}}};
   EXPECT_EQ(triangle_normals(line).front(), Point3{});
   EXPECT_EQ(point_normals(line).front(), Point3{});
+}
+
+TEST(TouchingVertices, AreCopiesAlongACut) {
+  const Surface whole = sheet(9, 7), cut = cut_along(whole, 9, 4);
+  EXPECT_TRUE(touching_vertices(whole).empty());
+  const auto ties = touching_vertices(cut);
+  ASSERT_EQ(ties.size(), 7u);
+  for (std::uint32_t j = 0; j < 7; ++j) EXPECT_EQ(ties[j], (Tie{j * 9 + 4, 63 + j}));
+  Surface apart = cut;
+  for (std::size_t v = 63; v < apart.points.size(); ++v) apart.points[v][0] += 0.01;  // of edges of 0.25
+  EXPECT_TRUE(touching_vertices(apart).empty());
+  for (std::size_t v = 63; v < apart.points.size(); ++v) apart.points[v][0] -= 0.009;
+  EXPECT_EQ(touching_vertices(apart).size(), 7u);
+  EXPECT_TRUE(touching_vertices({}).empty());
+}
+
+TEST(TouchingVertices, HangTogetherWhereSeveralPiecesMeet) {
+  Surface pieces;  // four squares around one corner, each of its own vertices
+  for (const double x : {-1.0, 0.0})
+    for (const double y : {-1.0, 0.0}) {
+      const auto first = static_cast<std::uint32_t>(pieces.points.size());
+      for (const auto& [i, j] : {std::pair{0, 0}, {1, 0}, {1, 1}, {0, 1}})
+        pieces.points.push_back({x + i, y + j, 0});
+      pieces.triangles.push_back({first, first + 1, first + 2});
+      pieces.triangles.push_back({first, first + 2, first + 3});
+    }
+  std::vector<Triangle> joined = pieces.triangles;
+  for (const Tie& tie : touching_vertices(pieces)) joined.push_back({tie.a, tie.b, tie.b});
+  const auto component = components(pieces.points.size(), joined);
+  for (const std::uint32_t c : component) EXPECT_EQ(c, 0u);
+}
+
+// Two lips that meet: borders at one place, but the surface does not go on from one to the other.
+TEST(TouchingVertices, AreNotThoseOfLipsThatMeet) {
+  const Surface lips{
+      {{0, 0, 0}, {1, 0, 0}, {0, 0.2, 1}, {1, 0.2, 1}, {0, 0, 0}, {1, 0, 0}, {0, -0.2, 1}, {1, -0.2, 1}},
+      {{0, 1, 2}, {1, 3, 2}, {5, 4, 6}, {5, 6, 7}}};
+  const auto normals = point_normals(lips);
+  ASSERT_LT(normals[0][1] * normals[4][1], 0);
+  EXPECT_TRUE(touching_vertices(lips).empty());
 }
 
 TEST(NearestPoint, FindsWhatAFullSearchFinds) {

@@ -35,24 +35,27 @@ struct Anchor {
 ///
 /// with S = identity for target triangles without a partner. The matrix depends on the target alone: it is
 /// factored once, for all shapes. Gradients say nothing of where a surface is, and little of where its far
-/// end is: anchors, which the publication does not have, add  weight * || v' - place ||^2  for that.
+/// end is: anchors, which the publication does not have, add  weight * || v' - place ||^2  for that. Ties
+/// hold together what touches but has no edge in common:  stiffness * || (a' - a) - (b' - b) ||^2.
 class DeformationTransfer {
  public:
-  /// @param held  vertices that stay where they are. Of every connected component without one and without an
-  ///              anchor the first vertex is held: its shapes are then known but for a translation.
+  /// @param held  vertices that stay where they are. Of every component (connected by edges and ties) without
+  ///              one and without an anchor the first vertex is held: its shapes are then known but for a
+  ///              translation.
+  /// @param ties  vertices that move together
   /// Triangles without area say nothing, and vertices of no other triangle are held.
   /// Errors (Errc::input): the system cannot be factored.
-  /// @pre indices of pairs, held vertices and anchors exist
+  /// @pre indices of pairs, held vertices, anchors and ties exist
   static Result<DeformationTransfer> create(Surface target, std::vector<TrianglePair> pairs,
                                             std::span<const std::uint32_t> held,
-                                            std::vector<Anchor> anchors = {});
+                                            std::vector<Anchor> anchors = {}, std::vector<Tie> ties = {});
   DeformationTransfer(DeformationTransfer&&) noexcept;
   DeformationTransfer& operator=(DeformationTransfer&&) noexcept;
   ~DeformationTransfer();
 
   struct Shape {
     std::vector<Point3> points;  // [V]
-    double energy = 0;           ///< the sum over pairs, without the anchors' part
+    double energy = 0;           ///< the sum over pairs, without anchors and ties
   };
   /// Safe from many threads.
   /// @param gradients  of the source's triangles @pre as many as the pairs name

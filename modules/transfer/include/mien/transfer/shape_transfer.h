@@ -35,6 +35,7 @@ struct ShapeTransferReport {
   std::vector<double> distance_mm;                ///< [V of the source] registered source to nearest target
   std::size_t num_paired = 0, num_triangles = 0;  ///< target triangles with a partner, and all
   std::size_t num_held = 0;                       ///< vertices
+  std::size_t num_ties = 0;                       ///< vertices that move with another at the same place
   double registration_seconds = 0, factor_seconds = 0, solve_seconds = 0;
   std::vector<TransferredShape> shapes;
 };
@@ -52,7 +53,8 @@ struct TransferMesh {
 };
 
 /// Makes the shapes of `source` for `target`, a mesh of any topology: registration with markers, triangle
-/// pairs, deformation transfer. Excluded vertices of the target do not move.
+/// pairs, deformation transfer. Excluded vertices of the target do not move. Pieces of the target that touch
+/// stay together (touching_vertices()), as far as they take part.
 ///
 /// Warnings: shapes that do not move the source, markers on excluded vertices (left out).
 /// Errors (Errc::input): markers that are not there; fewer than four that count; those of register_surface()

@@ -31,6 +31,16 @@ SurfacePart part_without(const Surface& whole, const std::vector<bool>& excluded
 /// triangle are components of their own.
 std::vector<std::uint32_t> components(std::size_t num_vertices, std::span<const Triangle> triangles);
 
+/// Two vertices at the same place, a < b.
+struct Tie {
+  std::uint32_t a = 0, b = 0;
+  friend auto operator<=>(const Tie&, const Tie&) = default;
+};
+/// Vertices on borders that lie together where the surface goes on on the other side: copies along a seam of
+/// textures, borders of pieces that touch. Together is within a hundredth of the mean edge; goes on: normals
+/// within 60 degrees, which leaves lips that meet apart. All copies of a place hang together.
+std::vector<Tie> touching_vertices(const Surface& surface);
+
 /// [F] unit normals; zero for triangles without area.
 std::vector<Point3> triangle_normals(const Surface& surface);
 /// [V] area-weighted unit normals; zero where there is none.

@@ -72,9 +72,8 @@ Result<FlameRig> FlameRig::create(FlameModel model, Character character, const s
 }
 
 Result<FitResult> FlameRig::curves(const Motion& parameters, double fps, Progress& progress) const {
-  MIEN_TRY(const Motion vertices,
-           flame_vertices(FlamePoser(model_), without_shape(parameters), options_.threads));
-  MIEN_TRY(Motion carried, carry_movement(vertices, model_.neutral, face_));
+  MIEN_TRY(Motion vertices, flame_vertices(FlamePoser(model_), without_shape(parameters), options_.threads));
+  MIEN_TRY(Motion carried, carry_movement(std::move(vertices), model_.neutral, face_));
   return fit_coefficients(rig_.neutral, rig_.shapes, at_rate(taken_vertices(rig_, std::move(carried)), fps),
                           rig_.regions, {.max_change = options_.max_change, .num_threads = options_.threads},
                           progress);

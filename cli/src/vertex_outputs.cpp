@@ -142,7 +142,7 @@ Result<Motion> on_other_face(Motion motion, const Mesh& rest, const std::optiona
   if (!face) return motion;
   std::vector<float> neutral;
   for (const Vec3& p : rest.positions) neutral.insert(neutral.end(), {p.x, p.y, p.z});
-  return carry_movement(motion, neutral, *face);
+  return carry_movement(std::move(motion), neutral, *face);
 }
 
 Result<std::vector<VertexStage>> staged(const Output& output, const std::vector<Motion>& motions,

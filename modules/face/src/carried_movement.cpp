@@ -9,7 +9,7 @@ Vec3 with_y_up(Vec3 p) { return {p.x, p.z, -p.y}; }
 
 }  // namespace
 
-Result<Motion> carry_movement(const Motion& vertices, std::span<const float> neutral, const Mesh& face) {
+Result<Motion> carry_movement(Motion vertices, std::span<const float> neutral, const Mesh& face) {
   const auto fail = [](std::string why) {
     return Error{Errc::incompatible, "movement to carry", std::move(why), ""};
   };
@@ -19,9 +19,8 @@ Result<Motion> carry_movement(const Motion& vertices, std::span<const float> neu
     return fail("is of " + std::to_string(width / 3) + " vertices, its neutral face has " +
                 std::to_string(neutral.size() / 3) + " and the other face " +
                 std::to_string(face.positions.size()));
-  Motion carried = vertices;
-  for (std::int64_t n = 0; n < carried.num_frames(); ++n) {
-    const auto frame = carried.frame(n);
+  for (std::int64_t n = 0; n < vertices.num_frames(); ++n) {
+    const auto frame = vertices.frame(n);
     for (std::size_t v = 0; v < face.positions.size(); ++v) {
       const Vec3 own = face.positions[v];
       const float place[] = {own.x, own.y, own.z};
@@ -32,7 +31,7 @@ Result<Motion> carry_movement(const Motion& vertices, std::span<const float> neu
       }
     }
   }
-  return carried;
+  return vertices;
 }
 
 void turn_z_up(Mesh& mesh) {

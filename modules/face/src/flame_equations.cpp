@@ -45,9 +45,15 @@ FlameEquations::FlameEquations(const FlameModel& model, const std::vector<std::u
                                std::int64_t num_expressions) {
   const auto v3 = static_cast<std::size_t>(3 * model.num_vertices);
   const auto count = static_cast<Eigen::Index>(vertices.size());
-  contract(model.neutral.size() == v3 && num_expressions >= 0 &&
-               static_cast<std::int64_t>(kNumFlameShape) + num_expressions <= model.num_shapes,
-           "FlameEquations: the model does not have so many expressions");
+  contract(
+      num_expressions >= 0 && static_cast<std::int64_t>(kNumFlameShape) + num_expressions <= model.num_shapes,
+      "FlameEquations: the model does not have so many expressions");
+  contract(model.neutral.size() == v3 &&
+               model.shapes.size() == v3 * static_cast<std::size_t>(model.num_shapes) &&
+               model.pose_shapes.size() == v3 * kNumFlamePoseFeatures &&
+               3 * model.joint_regressor.size() == kNumFlameJoints * v3 &&
+               3 * model.weights.size() == kNumFlameJoints * v3,
+           "FlameEquations: the sizes of the model do not fit each other");
   const auto point = [&](const float* of, std::uint32_t v, int k) {
     return static_cast<double>(of[3 * static_cast<std::size_t>(v) + static_cast<std::size_t>(k)]);
   };

@@ -11,7 +11,7 @@ namespace mien {
 /// ProbTalk3D's authors show their motions on other heads (specification, section 14). Computed in double.
 /// @param vertices  space `vertices`, in the unit of both faces;  neutral  [3 V] what it moves away from
 /// Errors (Errc::incompatible): a motion of another space, faces with another number of vertices.
-Result<Motion> carry_movement(const Motion& vertices, std::span<const float> neutral, const Mesh& face);
+Result<Motion> carry_movement(Motion vertices, std::span<const float> neutral, const Mesh& face);
 
 /// A mesh that was written with z up and y into the face, as modelling programs do, as it is drawn here, with
 /// y up: (x, y, z) becomes (x, z, -y). Normals, if it has any, too.

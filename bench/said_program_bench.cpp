@@ -2,6 +2,7 @@
 // process to the written file, for 4 s of sound. Weights are random; speed does not depend on them. Needs the
 // program beside mien_bench.
 #include <benchmark/benchmark.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <cmath>
@@ -94,6 +95,16 @@ class Inputs {
   fs::path folder_;
 };
 
+/// Seconds of processor of all programs that this one has started and waited for.
+double processor_seconds() {
+  rusage used{};
+  getrusage(RUSAGE_CHILDREN, &used);
+  const auto seconds = [](const timeval& t) {
+    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+  };
+  return seconds(used.ru_utime) + seconds(used.ru_stime);
+}
+
 // Arguments: steps, precision (f32, bf16, int8).
 void animate(benchmark::State& state) {
   if (!fs::exists(program())) return state.SkipWithError("there is no mien beside this program");
@@ -104,8 +115,10 @@ void animate(benchmark::State& state) {
                               folder + "/said.safetensors' --steps " + std::to_string(state.range(0)) +
                               " --precision " + kPrecisions[state.range(1)] + " --threads 2 --quiet -o '" +
                               folder + "/out.said.csv'";
+  const double before = processor_seconds();
   for (auto _ : state)
     if (std::system(command.c_str()) != 0) return state.SkipWithError("mien animate failed");
+  state.counters["processor_s"] = (processor_seconds() - before) / static_cast<double>(state.iterations());
   state.counters["real_time_factor"] =
       benchmark::Counter(kSeconds * static_cast<double>(state.iterations()),
                          benchmark::Counter::kIsRate | benchmark::Counter::kInvert);

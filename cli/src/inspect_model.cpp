@@ -148,7 +148,7 @@ Result<Facts> inspect_model(const std::filesystem::path& path, const Safetensors
     facts.add("neutral_faces", template_subjects(file));
     facts.add("regions", regions_in(file));
   }
-  if (m.output.space == "flame" && !m.subjects.empty()) facts.add("subjects", m.subjects);
+  if (m.output.space != "vertices" && !m.subjects.empty()) facts.add("subjects", m.subjects);
   if (!m.emotions.empty()) facts.add("emotions", m.emotions);
   if (!m.intensities.empty()) facts.add("intensities", m.intensities);
   if (!m.source.empty()) facts.add("source", m.source);

@@ -23,32 +23,33 @@ constexpr std::int64_t kBlockFrames = 128;
 // What the words mean for this model.
 struct Conditions {
   std::int64_t emotion = 0;
-  Tensor style;    // weights of the style's columns, [1, columns]; empty when the output is not a mesh
-  Tensor neutral;  // [1, D]; empty when the output is not a mesh
+  Tensor style;    // weights of the style's columns, [1, columns]; empty for networks without
+  Tensor neutral;  // [1, D]; empty for networks without
 };
 
 Result<Conditions> conditions(const FaceModel::Parts& model, const FaceOptions& options) {
   const ModelFile& d = model.description;
   Conditions c;
-  const bool is_mesh = d.output.space == "vertices";
+  // Also of the emotional FaceDiffuser on ARKit's curves, whose face at rest is zero.
+  const bool is_styled = model.vertices != nullptr || model.facexhubert != nullptr;
   MIEN_TRY(const std::int64_t subject,
-           choose_name("--style", options.style, is_mesh ? d.subjects : std::vector<std::string>(), 0));
+           choose_name("--style", options.style, is_styled ? d.subjects : std::vector<std::string>(), 0));
   if (!d.intensities.empty()) {
     MIEN_TRY(const auto weights, probtalk3d::chosen_style(d, options));
     c.style = Tensor({1, static_cast<std::int64_t>(weights.size())}, weights);
   } else {
     MIEN_TRY(c.emotion, choose_name("--emotion", options.emotion, d.emotions,
                                     d.emotions.empty() ? 0 : d.emotions.size() - 1));
-    if (is_mesh)
+    if (is_styled)
       c.style = Operations<Tensor>::one_hot({}, subject, static_cast<std::int64_t>(d.subjects.size()));
   }
   std::vector<std::string> names;
   for (const auto& neutral : model.neutrals) names.push_back(neutral.first);
   std::string own = options.neutral;
-  if (own.empty() && is_mesh && model.neutral(d.subjects[static_cast<std::size_t>(subject)]) != nullptr)
+  if (own.empty() && is_styled && model.neutral(d.subjects[static_cast<std::size_t>(subject)]) != nullptr)
     own = d.subjects[static_cast<std::size_t>(subject)];
   MIEN_TRY(const std::int64_t face, choose_name("--template", own, names, 0));
-  if (is_mesh)
+  if (is_styled)
     c.neutral = names.empty() ? Tensor({1, d.output.channels})
                               : model.neutrals[static_cast<std::size_t>(face)].second;
   return c;

@@ -223,9 +223,12 @@ Result<FaceModel> FaceModel::load(const std::filesystem::path& path, int num_thr
     fits = check(*parts, s.condition, s.channels, 0, 0, 0);
     if (fits) fits = check_styles(parts->description, s.style);
     constexpr auto kMost = static_cast<std::int64_t>(kNumFlameExpression + kNumFlameJaw);
-    if (fits && (s.channels <= probtalk3d::kNumJaw || s.channels > kMost))
+    const bool is_flame = parts->description.output.space == "flame";
+    if (fits && is_flame && (s.channels <= probtalk3d::kNumJaw || s.channels > kMost))
       fits =
           unfit("has " + std::to_string(s.channels) + " channels, which are not FLAME's expression and jaw");
+    if (fits && !is_flame && parts->description.output.space != "arkit")
+      fits = unfit("moves '" + parts->description.output.space + "', neither FLAME's parameters nor ARKit's");
   } else {
     const auto s = parts->diffuser_sizes();
     const bool has_emotions = parts->description.architecture == Architecture::facediffuser_emotion;
@@ -259,8 +262,9 @@ Motion FaceModel::empty_motion() const {
     return motion;
   }
   motion.space = output.space == "arkit" ? MotionSpace::arkit : MotionSpace::rig;
-  if (motion.space == MotionSpace::arkit)
-    motion.channels = arkit_order(ArkitOrder::beat);
+  if (motion.space == MotionSpace::arkit)  // of BEAT, or of the corpus
+    motion.channels = arkit_order(output.channels == static_cast<std::int64_t>(kNumArkit) ? ArkitOrder::apple
+                                                                                          : ArkitOrder::beat);
   else
     motion.channels = uudamm_controls();
   if (motion.num_channels() != output.channels) {

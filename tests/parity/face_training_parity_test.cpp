@@ -54,7 +54,8 @@ struct FaceCase {
     s.name = audio;
     s.waveform = floats_of(from.tensor(audio));
     if (inputs.has("template")) s.neutral = floats_of(inputs.tensor("template"));
-    s.subject = config.value("style", std::int64_t{0});
+    if (network.num_styles() > 0)
+      s.style = one_hot_weights(config.value("style", std::int64_t{0}), network.num_styles());
     return s;
   }
 
@@ -103,7 +104,7 @@ TEST(TorchFaceXHuBert, GivesTheRecordedVertices) {
       const mien::Tensor want = recorded.tensor("out." + std::to_string(k));
       FaceSequence s = face.sequence(face.inputs, "audio." + std::to_string(c.at(0)));
       s.motion = floats_of(want);  // its length: half the features
-      s.subject = c.at(1);
+      s.style = one_hot_weights(c.at(1), face.network.num_styles());
       s.emotion = c.at(2);
       MIEN_EXPECT_CLOSE(values_of(taken(face.stage->estimate(s, {}, nullptr)).motion), values_of(want),
                         "estimate");
@@ -192,7 +193,7 @@ TEST(TorchFaceXHuBert, LearnsAsRecorded) {
       const auto c = recorded.integers("case");
       FaceSequence s = face.sequence(face.inputs, "audio." + std::to_string(c.at(0)));
       s.motion = floats_of(recorded.tensor("vertice"));
-      s.subject = c.at(1);
+      s.style = one_hot_weights(c.at(1), face.network.num_styles());
       s.emotion = c.at(2);
       const auto made = taken(face.stage->estimate(s, {}, nullptr));
       MIEN_EXPECT_CLOSE(values_of(made.speech), values_of(recorded.tensor("gru.in")), "speech features");

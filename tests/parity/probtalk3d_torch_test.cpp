@@ -55,62 +55,60 @@ void expect_gradients(const std::vector<Collect::Entry>& entries, const Fixture&
   EXPECT_EQ(num_found + num_others, num_recorded) << "a recorded gradient has no parameter";
 }
 
-TEST(TorchProbTalk3D, QuantisedPriorHasTheRecordedLossesAndGradients) {
-  replay_file("vqvae_stage1.safetensors", [](const std::string& file) {
-    const Fixture recorded("probtalk3d", file);
-    auto prior = recorded_network<torch::Tensor>(
-        recorded, probtalk3d::MotionPrior<torch::Tensor>(recorded_sizes(recorded)));
-    const auto entries = train::parameters(prior);
-    for (const auto& entry : entries) entry.slot->requires_grad_(true);
-    const torch::Tensor motion = recorded_rows<torch::Tensor>(recorded, "in.motion");
-    const torch::Tensor z = prior.encoder(motion);
-    const auto latent = losses::quantise(prior.quantiser, z);
-    EXPECT_EQ(latent.codes, recorded.integers("mid.indices"));
-    z.retain_grad(), latent.z_q.retain_grad();
-    const losses::LossWeights weights{weight_in(recorded, "lambda_quant"), weight_in(recorded, "lambda_exp"),
-                                      weight_in(recorded, "lambda_jaw")};
-    EXPECT_EQ(weight_in(recorded, "beta"), losses::kCommitment);
-    EXPECT_EQ(weights.latent, losses::kQuantisedPrior.latent);
-    const Losses loss = losses::motion_losses(losses::quantiser_loss(z, latent.q), prior.decoder(latent.z_q),
-                                              motion, weights);
-    expect_scalar(loss.latent, recorded, "loss.quant");
-    expect_scalar(loss.expression, recorded, "loss.recons_exp");
-    expect_scalar(loss.jaw, recorded, "loss.recons_jaw");
-    expect_scalar(loss.total, recorded, "loss.total");
-    loss.total.backward();
-    expect_gradient(z.grad(), recorded, "z");
-    expect_gradient(latent.z_q.grad(), recorded, "z_q");
-    expect_gradients(entries, recorded, 2);
-  });
-}
+struct RecordedPrior {
+  const char* file;
+  const char* latent;         // the loss of the latent, and its weight
+  const char* latent_weight;  //
+  losses::LossWeights published;
+};
 
-TEST(TorchProbTalk3D, GaussianPriorHasTheRecordedLossesAndGradients) {
-  replay_file("vae_stage1.safetensors", [](const std::string& file) {
-    const Fixture recorded("probtalk3d", file);
-    auto prior = recorded_network<torch::Tensor>(
-        recorded, probtalk3d::MotionPrior<torch::Tensor>(recorded_sizes(recorded)));
-    const auto entries = train::parameters(prior);
-    for (const auto& entry : entries) entry.slot->requires_grad_(true);
-    const torch::Tensor motion = recorded_rows<torch::Tensor>(recorded, "in.motion"),
-                        z = prior.encoder(motion);
-    const torch::Tensor mean = prior.mean(z), logvar = prior.logvar(z);
-    const torch::Tensor latent =
-        probtalk3d::gaussian_sample(mean, logvar, recorded_rows<torch::Tensor>(recorded, "in.eps"));
-    const losses::LossWeights weights{weight_in(recorded, "lambda_kl"), weight_in(recorded, "lambda_exp"),
-                                      weight_in(recorded, "lambda_jaw")};
-    EXPECT_EQ(weights.latent, losses::kGaussianPrior.latent);
-    const Losses loss = losses::motion_losses(losses::gaussian_divergence(mean, logvar),
-                                              prior.decoder(latent), motion, weights);
-    expect_scalar(loss.latent, recorded, "loss.kl");
-    expect_scalar(loss.expression, recorded, "loss.recons_exp");
-    expect_scalar(loss.jaw, recorded, "loss.recons_jaw");
-    expect_scalar(loss.total, recorded, "loss.total");
-    loss.total.backward();
-    std::size_t num_others = 0;
-    for (const char* name : {"z", "latent", "mean", "logvar"})
-      num_others += recorded.has(std::string("grad.") + name);
-    expect_gradients(entries, recorded, num_others);
-  });
+TEST(TorchProbTalk3D, BothPriorsHaveTheRecordedLossesAndGradients) {
+  for (const RecordedPrior& c :
+       {RecordedPrior{"vqvae_stage1.safetensors", "loss.quant", "lambda_quant", losses::kQuantisedPrior},
+        RecordedPrior{"vae_stage1.safetensors", "loss.kl", "lambda_kl", losses::kGaussianPrior}})
+    replay_file(c.file, [&](const std::string& file) {
+      const Fixture recorded("probtalk3d", file);
+      auto prior = recorded_network<torch::Tensor>(
+          recorded, probtalk3d::MotionPrior<torch::Tensor>(recorded_sizes(recorded)));
+      const auto entries = train::parameters(prior);
+      for (const auto& entry : entries) entry.slot->requires_grad_(true);
+      const torch::Tensor motion = recorded_rows<torch::Tensor>(recorded, "in.motion");
+      losses::PriorOptions options;
+      options.weights = {weight_in(recorded, c.latent_weight), weight_in(recorded, "lambda_exp"),
+                         weight_in(recorded, "lambda_jaw")};
+      EXPECT_EQ(options.weights.latent, c.published.latent);
+      EXPECT_EQ(options.weights.expression, c.published.expression);
+      EXPECT_EQ(options.weights.jaw, c.published.jaw);
+      options.jaw = losses::flame_jaw(motion.size(-1));
+      torch::Tensor noise;
+      if (prior.sizes.is_variational())
+        noise = recorded_rows<torch::Tensor>(recorded, "in.eps");
+      else
+        EXPECT_EQ(weight_in(recorded, "beta"), losses::kCommitment);
+      losses::PriorPass pass = losses::pass_prior(prior, motion, noise, options);
+      for (auto* tensor : {&pass.z, &pass.latent.values, &pass.latent.mean, &pass.latent.logvar})
+        if (tensor->defined()) tensor->retain_grad();
+      expect_scalar(pass.losses.latent, recorded, c.latent);
+      expect_scalar(pass.losses.expression, recorded, "loss.recons_exp");
+      expect_scalar(pass.losses.jaw, recorded, "loss.recons_jaw");
+      expect_scalar(pass.losses.total, recorded, "loss.total");
+      pass.losses.total.backward();
+      if (!prior.sizes.is_variational()) {
+        EXPECT_EQ(pass.latent.codes.codes, recorded.integers("mid.indices"));
+      }
+      std::size_t num_others = 0;  // gradients of what is no parameter
+      const auto expect_other = [&](const char* name, const torch::Tensor& of) {
+        if (!recorded.has(std::string("grad.") + name)) return;
+        ++num_others;
+        expect_gradient(of.grad(), recorded, name);
+      };
+      expect_other("z", pass.z);
+      expect_other("z_q", pass.latent.values);
+      expect_other("latent", pass.latent.values);
+      expect_other("mean", pass.latent.mean);
+      expect_other("logvar", pass.latent.logvar);
+      expect_gradients(entries, recorded, num_others);
+    });
 }
 
 // Speech encoder, predictor and prior as one network: parameters as in a stage-2 checkpoint.
@@ -177,8 +175,9 @@ TEST(TorchProbTalk3D, PredictorHasTheRecordedLossesAndGradients) {
     const losses::LossWeights weights{weight_in(recorded, "lambda_latent"), weight_in(recorded, "lambda_exp"),
                                       weight_in(recorded, "lambda_jaw")};
     EXPECT_EQ(weights.expression, losses::kPredictor.expression);
-    const Losses loss = losses::motion_losses((heard.z_q - z_q_of_truth).abs().mean(),
-                                              prior.decoder(heard.z_q), truth, weights);
+    const Losses loss =
+        losses::motion_losses((heard.z_q - z_q_of_truth).abs().mean(), prior.decoder(heard.z_q), truth,
+                              weights, losses::flame_jaw(truth.size(-1)));
     expect_scalar(loss.latent, recorded, "loss.latent");
     expect_scalar(loss.expression, recorded, "loss.recons_exp");
     expect_scalar(loss.jaw, recorded, "loss.recons_jaw");

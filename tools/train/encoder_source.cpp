@@ -6,14 +6,16 @@
 namespace mien::train {
 
 Status EncoderSource::load_into(SpeechEncoder<torch::Tensor>& encoder) const {
-  const auto loaded = load_encoder(encoder, file);
+  if (!file) return Done{};
+  const auto loaded = load_encoder(encoder, *file);
   if (!loaded) return within(loaded.error(), name);
   return Done{};
 }
 
-Result<EncoderSource> open_encoder(const std::filesystem::path& path, bool spec_augment) {
-  MIEN_TRY(auto file, SafetensorsFile::open(path));
-  std::string name = "'" + path.string() + "'";
+Result<EncoderSource> open_encoder(const EncoderChoice& choice, bool spec_augment) {
+  if (choice.fresh) return EncoderSource{std::nullopt, *choice.fresh, "the new encoder"};
+  MIEN_TRY(auto file, SafetensorsFile::open(choice.file));
+  std::string name = "'" + choice.file.string() + "'";
   const auto source = read_model_file(file.metadata());
   if (!source) return within(source.error(), name);
   if (!source->encoder)

@@ -1,5 +1,6 @@
 #pragma once
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "mien/io/safetensors.h"
@@ -8,9 +9,15 @@
 
 namespace mien::train {
 
+/// Which speech encoder a configuration wants: that of a model file, or a new one of these sizes.
+struct EncoderChoice {
+  std::filesystem::path file;
+  std::optional<EncoderConfig> fresh;
+};
+
 /// The speech encoder that a training starts from.
 struct EncoderSource {
-  SafetensorsFile file;
+  std::optional<SafetensorsFile> file;  ///< none: it keeps its random start
   EncoderConfig config;
   std::string name;  ///< of the file, for messages
 
@@ -20,6 +27,6 @@ struct EncoderSource {
 
 /// Opens a model file with a speech encoder. Errors: not readable; no encoder in it, or one that masks
 /// features in training when `spec_augment` is on (Errc::incompatible).
-Result<EncoderSource> open_encoder(const std::filesystem::path& path, bool spec_augment);
+Result<EncoderSource> open_encoder(const EncoderChoice& choice, bool spec_augment);
 
 }  // namespace mien::train

@@ -18,6 +18,7 @@ Status run_epochs(const RunConfig& run, const EpochRun& epochs, ConsoleProgress&
   };
   const auto loss = [&](std::int64_t step) -> Result<torch::Tensor> {
     if (!afterwards) return afterwards.error();
+    if (epochs.is_over && epochs.is_over()) return torch::Tensor();
     return epochs.loss(step);
   };
   MIEN_TRY([[maybe_unused]] const auto done,

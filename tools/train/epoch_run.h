@@ -16,6 +16,8 @@ struct EpochRun {
   std::function<Result<torch::Tensor>(std::int64_t step)> loss;
   /// After each epoch, while the parameters hold their average: validates, writes.
   std::function<Status(std::int64_t epoch)> end_epoch;
+  /// Asked before each step: nothing more is to be learnt. Absent: all steps are done.
+  std::function<bool()> is_over{};
 };
 
 /// Runs all epochs, from the checkpoint on where there is one. Errors: those of run_stage(), of the loss and

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "config_fields.h"
 #include "mien/models/model_file.h"
 #include "mien/train/face_training.h"
 #include "training_config.h"
@@ -14,9 +15,10 @@ namespace mien::train {
 struct FaceConfig {
   RunConfig run;
   Architecture architecture = Architecture::facexhubert;
-  std::string layout;                 ///< of the data set; empty: found from its names
-  std::filesystem::path encoder;      ///< a model file with a speech encoder
-  std::vector<std::string> subjects;  ///< order of the style columns; empty: that of the data set's layout
+  std::string layout;  ///< of the data set; empty: found from its names
+  EncoderChoice encoder;
+  std::vector<std::string> subjects;  ///< order of the style columns; empty: that of the data
+  CorpusFields corpus;                ///< of the emotional FaceDiffuser, where the data are a corpus
   std::int64_t latent = 512;          ///< of the tokens; FaceXHuBERT has none
   std::int64_t hidden = 512;          ///< of the decoder
   DecoderSizes decoder;
@@ -28,6 +30,11 @@ struct FaceConfig {
   double learning_rate = 1e-4;
   std::vector<std::string> frozen;
   FaceTrainingOptions options;
+
+  /// FaceDiffuser V or its emotional form.
+  [[nodiscard]] bool has_vertex_denoiser() const {
+    return architecture == Architecture::facediffuser_v || architecture == Architecture::facediffuser_emotion;
+  }
 };
 
 /// Errors (Errc::usage): unknown or wrong fields, each with its line.

@@ -1,4 +1,4 @@
-#include "encoder_source.h"
+#include "emotional_data.h"
 #include "epoch_run.h"
 #include "mien/base/number_text.h"
 #include "mien/datasets/dataset.h"
@@ -9,10 +9,6 @@ namespace mien::train {
 namespace {
 
 using torch::Tensor;
-
-std::shared_ptr<const Dataset> shared(Dataset dataset) {
-  return std::make_shared<const Dataset>(std::move(dataset));
-}
 
 Result<Dataset> open_data(const FaceConfig& config) {
   std::optional<DatasetKind> kind;
@@ -34,19 +30,10 @@ Result<Dataset> open_data(const FaceConfig& config) {
                "Vertices are for facexhubert and facediffuser_v, beat and uudamm for the two others"};
 }
 
-// Numbers in a frame: of a mesh, those of the first sequence.
-Result<std::int64_t> width_of(const Dataset& dataset) {
-  if (dataset.layout->space != MotionSpace::vertices) return dataset.layout->width;
-  if (dataset.sequences.empty())
-    return Error{Errc::incompatible, "'" + dataset.folder.string() + "'", "has no sequence",
-                 "Run: mien data check"};
-  MIEN_TRY(const Motion first, load_sequence(dataset, dataset.sequences.front()));
-  return first.num_channels();
-}
-
 /// Everything that a run is made of.
 struct FaceRun {
-  std::shared_ptr<const Dataset> dataset;
+  FaceSequences sequences;
+  Templates templates;  // of meshes
   ModelFile description;
   std::unique_ptr<FaceNetwork> network;
 };
@@ -54,7 +41,7 @@ struct FaceRun {
 FaceNetwork::Head head_for(const FaceConfig& config, const ModelFile& description) {
   const std::int64_t group = align_features(2, 1, description.output.fps).group;
   const std::int64_t input = group * description.encoder->hidden_size, width = description.output.channels;
-  const auto num_subjects = static_cast<std::int64_t>(description.subjects.size());
+  auto num_subjects = static_cast<std::int64_t>(description.subjects.size());
   if (config.architecture == Architecture::facexhubert)
     return facexhubert::Network<Tensor>({input, config.hidden, config.decoder, num_subjects,
                                          static_cast<std::int64_t>(description.emotions.size()), width});
@@ -66,8 +53,11 @@ FaceNetwork::Head head_for(const FaceConfig& config, const ModelFile& descriptio
   sizes.noise_encoder = config.noise_encoder;
   sizes.num_steps = config.has_diffusion ? config.options.diffusion_steps : 0;
   sizes.condition = input;
-  if (config.architecture == Architecture::facediffuser_v) {
+  if (config.has_vertex_denoiser()) {
     sizes.variant = facediffuser::Variant::vertices;
+    sizes.styles_speech = config.architecture == Architecture::facediffuser_emotion;
+    if (sizes.styles_speech)
+      num_subjects += static_cast<std::int64_t>(description.emotions.size() + description.intensities.size());
     sizes.num_subjects = num_subjects;
     return facediffuser::VertexDenoiser<Tensor>(sizes);
   }
@@ -81,42 +71,67 @@ FaceNetwork::Head head_for(const FaceConfig& config, const ModelFile& descriptio
   return facediffuser::DammDenoiser<Tensor>(sizes);
 }
 
-ModelFile describe(const FaceConfig& config, const Dataset& dataset, std::int64_t width,
-                   const EncoderConfig& encoder) {
-  ModelFile m;
+// A data set of one of FaceDiffuser's and FaceXHuBERT's layouts.
+Status open_layout(const FaceConfig& config, const EncoderConfig& encoder, FaceRun& run) {
+  MIEN_TRY(Dataset opened, open_data(config));
+  const auto dataset = std::make_shared<const Dataset>(std::move(opened));
+  const DatasetLayout& layout = *dataset->layout;
+  const bool is_mesh = layout.space == MotionSpace::vertices;
+  ModelFile& m = run.description;
+  MIEN_TRY(m.output.channels, loaded_width(*dataset));
+  m.output.space = is_mesh ? "vertices" : layout.space == MotionSpace::arkit ? "arkit" : "rig";
+  m.output.fps = layout.fps;
+  if (is_mesh) {
+    m.output.topology = topology_of(m.output.channels / 3).name;
+    m.subjects = config.subjects.empty() ? layout.train_subjects : config.subjects;
+    if (m.subjects.empty()) return Error{Errc::usage, "[run] subjects", "are needed for this data set", ""};
+  }
+  if (config.architecture == Architecture::facexhubert) m.emotions = {"neutral", "expressive"};
+  m.licence = "that of the data set '" + std::string(layout.name) + "' and of the speech encoder";
+  m.training_set = "{\"layout\": \"" + std::string(layout.name) + "\"}";
+  run.templates = dataset->templates;
+  MIEN_TRY(
+      run.sequences,
+      face_sequences(dataset, {.sound = {encoder, false}, .subjects = m.subjects, .needs_neutral = is_mesh}));
+  return Done{};
+}
+
+// 3DMEAD's meshes, or a corpus.
+Status open_emotional(const FaceConfig& config, const EncoderConfig& encoder, FaceRun& run,
+                      ConsoleProgress& progress) {
+  MIEN_TRY(EmotionalData data, open_emotional_data(config.run.data,
+                                                   {.kind = DatasetKind::mead_vertices,
+                                                    .sound = {encoder, false},
+                                                    .subjects = config.subjects,
+                                                    .needs_neutral = true,
+                                                    .corpus = config.corpus},
+                                                   progress));
+  data.describe(run.description);
+  run.sequences = std::move(data.sequences);
+  run.templates = std::move(data.templates);
+  return Done{};
+}
+
+void describe_network(const FaceConfig& config, const EncoderConfig& encoder, ModelFile& m) {
   m.architecture = config.architecture;
   m.name = config.run.name.empty() ? config.run.system : config.run.name;
-  const DatasetLayout& layout = *dataset.layout;
-  const bool is_mesh = layout.space == MotionSpace::vertices;
-  m.output.space = is_mesh ? "vertices" : layout.space == MotionSpace::arkit ? "arkit" : "rig";
-  m.output.channels = width;
-  m.output.fps = layout.fps;
-  if (is_mesh) m.output.topology = topology_of(width / 3).name;
   m.encoder = encoder;
-  if (config.architecture == Architecture::facexhubert)
-    m.emotions = {"neutral", "expressive"};
-  else if (config.has_diffusion)
+  if (config.architecture != Architecture::facexhubert && config.has_diffusion)
     m.diffusion = {std::string(beta_schedule_name(config.options.schedule)), config.options.diffusion_steps};
   if (config.decoder.kind == DecoderKind::transformer) m.sizes["decoder_heads"] = config.decoder.heads;
   if (config.has_diffusion && config.noise_encoder != facediffuser::NoiseEncoder::conv_max)
     m.noise_encoder = facediffuser::noise_encoder_name(config.noise_encoder);
-  if (is_mesh) m.subjects = config.subjects.empty() ? layout.train_subjects : config.subjects;
-  m.licence = "that of the data set '" + std::string(layout.name) + "' and of the speech encoder";
   m.training_config = config.run.text;
-  m.training_set = "{\"layout\": \"" + std::string(layout.name) + "\"}";
-  return m;
 }
 
-Result<FaceRun> prepare(const FaceConfig& config) {
+Result<FaceRun> prepare(const FaceConfig& config, ConsoleProgress& progress) {
   FaceRun run;
-  MIEN_TRY(Dataset dataset, open_data(config));
-  run.dataset = shared(std::move(dataset));
-  MIEN_TRY(const std::int64_t width, width_of(*run.dataset));
   MIEN_TRY(const auto source, open_encoder(config.encoder, config.options.spec_augment));
-  run.description = describe(config, *run.dataset, width, source.config);
-  if (config.architecture == Architecture::facediffuser_v || config.architecture == Architecture::facexhubert)
-    if (run.description.subjects.empty())
-      return Error{Errc::usage, "[run] subjects", "are needed for this data set", ""};
+  const bool is_emotional = config.architecture == Architecture::facediffuser_emotion;
+  MIEN_TRY([[maybe_unused]] const auto opened, is_emotional
+                                                   ? open_emotional(config, source.config, run, progress)
+                                                   : open_layout(config, source.config, run));
+  describe_network(config, source.config, run.description);
   run.network.reset(new FaceNetwork{SpeechEncoder<Tensor>(source.config), head_for(config, run.description),
                                     run.description.output.fps});
   initialise_as_published(*run.network, config.options.seed);
@@ -128,8 +143,8 @@ Result<FaceRun> prepare(const FaceConfig& config) {
 Status write_model(FaceRun& run, const std::filesystem::path& path) {
   auto entries = parameters(*run.network);
   std::vector<Tensor> neutral;
-  neutral.reserve(run.dataset->templates.size());  // entries point into it
-  for (const auto& [subject, values] : run.dataset->templates) {
+  neutral.reserve(run.templates.size());  // entries point into it
+  for (const auto& [subject, values] : run.templates) {
     neutral.push_back(torch::from_blob(const_cast<float*>(values.data()),
                                        {static_cast<std::int64_t>(values.size())}, torch::kFloat));
     entries.push_back({std::string(ModelFile::kTemplatePrefix) + subject, &neutral.back(), false});
@@ -140,16 +155,10 @@ Status write_model(FaceRun& run, const std::filesystem::path& path) {
 }  // namespace
 
 Status train_face(const FaceConfig& config, ConsoleProgress& progress) {
-  MIEN_TRY(FaceRun run, prepare(config));
-  const bool is_mesh = run.description.output.space == "vertices";
-  MIEN_TRY(FaceSequences sequences,
-           face_sequences(run.dataset, *run.description.encoder, {run.description.subjects, is_mesh}));
+  MIEN_TRY(FaceRun run, prepare(config, progress));
   MIEN_TRY(const auto learning, freeze(parameters(*run.network), config.frozen));
   MIEN_TRY([[maybe_unused]] const auto begun, config.run.begin());
-  progress.say(std::to_string(sequences.num_train) + " sequences to learn from, " +
-               std::to_string(sequences.num_valid) + " to validate");
-
-  FaceStage stage(*run.network, std::move(sequences), config.options);
+  FaceStage stage(*run.network, std::move(run.sequences), config.options);
   auto options = StageOptions::plain_adam(config.num_epochs * stage.steps_per_epoch(), config.learning_rate);
   options.checkpoint_every = config.checkpoint_every;
   const auto end_epoch = [&](std::int64_t epoch) -> Status {
@@ -171,7 +180,7 @@ Status train_face(const FaceConfig& config, ConsoleProgress& progress) {
 }
 
 Status snapshot_face(const FaceConfig& config, const std::filesystem::path& path, ConsoleProgress& progress) {
-  MIEN_TRY(FaceRun run, prepare(config));
+  MIEN_TRY(FaceRun run, prepare(config, progress));
   MIEN_TRY(const auto learning, freeze(parameters(*run.network), config.frozen));
   MIEN_TRY(const auto step, load_stage_average(learning, config.run.checkpoint()));
   progress.say("checkpoint of step " + std::to_string(step));

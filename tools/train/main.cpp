@@ -23,13 +23,18 @@ Status run_config(const std::string& path, const std::string& snapshot,
     return run(read_said_config(file), train_said, snapshot_said);
   if (system == architecture_name(Architecture::said_vae))
     return run(read_said_vae_config(file), train_said_vae, snapshot_said_vae);
-  for (const auto architecture : {Architecture::facexhubert, Architecture::facediffuser_v,
-                                  Architecture::facediffuser_beat, Architecture::facediffuser_damm})
+  if (system == architecture_name(Architecture::probtalk3d_prior))
+    return run(read_probtalk3d_prior_config(file), train_probtalk3d_prior, snapshot_probtalk3d_prior);
+  if (system == architecture_name(Architecture::probtalk3d))
+    return run(read_probtalk3d_config(file), train_probtalk3d, snapshot_probtalk3d);
+  for (const auto architecture :
+       {Architecture::facexhubert, Architecture::facediffuser_v, Architecture::facediffuser_beat,
+        Architecture::facediffuser_damm, Architecture::facediffuser_emotion})
     if (system == architecture_name(architecture))
       return run(read_face_config(file, architecture), train_face, snapshot_face);
-  return Error{
-      Errc::usage, "'" + path + "'", "[run] system '" + system + "' is not known",
-      "Known: default, facexhubert, facediffuser_v, facediffuser_beat, facediffuser_damm, said, said_vae"};
+  return Error{Errc::usage, "'" + path + "'", "[run] system '" + system + "' is not known",
+               "Known: default, facexhubert, facediffuser_v, facediffuser_beat, facediffuser_damm, "
+               "facediffuser_emotion, probtalk3d_prior, probtalk3d, said, said_vae"};
 }
 
 }  // namespace
@@ -43,7 +48,7 @@ int main(int argc, char** argv) {
   int threads = 0;
   bool quiet = false, json = false;
   app.add_option("CONFIG", config_path, "Training configuration (TOML)")->required();
-  app.add_option("--data", data, "Prepared set, or data set folder; replaces [run] data");
+  app.add_option("--data", data, "Prepared set, or folder of a data set or a corpus; replaces [run] data");
   app.add_option("-o,--output", output, "Model file to write; replaces [run] output");
   app.add_option("--work-folder", work_folder, "Checkpoints and log; replaces [run] work_folder");
   app.add_option("--threads", threads, "Threads; replaces [run] threads")->check(CLI::PositiveNumber);
@@ -59,6 +64,8 @@ int main(int argc, char** argv) {
       "  mien corpus prepare -o set.safetensors && mien train configs/default.toml\n"
       "  mien train configs/default.toml --data set.safetensors --device cuda -o model.safetensors\n"
       "  mien train configs/facexhubert.toml --data BIWI -o facexhubert.safetensors\n"
+      "  mien train configs/probtalk3d_prior.toml --data 3DMEAD && mien train configs/probtalk3d.toml --data "
+      "3DMEAD\n"
       "Exit codes: 0 done, 1 failed, 2 wrong usage, 3 unreadable input, 4 data do not fit, 130 interrupted.");
   try {
     app.parse(argc, argv);

@@ -1,6 +1,7 @@
 #pragma once
 #include "face_config.h"
 #include "mien/console/console_exit.h"
+#include "probtalk3d_config.h"
 #include "said_config.h"
 #include "said_vae_config.h"
 #include "training_config.h"
@@ -19,6 +20,15 @@ Status snapshot_default(const TrainingConfig& config, const std::filesystem::pat
 Status train_face(const FaceConfig& config, ConsoleProgress& progress);
 /// Writes the model of the last checkpoint.
 Status snapshot_face(const FaceConfig& config, const std::filesystem::path& path, ConsoleProgress& progress);
+
+/// ProbTalk3D's stage 1 and stage 2, with codes or a Gaussian latent.
+Status train_probtalk3d_prior(const ProbTalk3DPriorConfig& config, ConsoleProgress& progress);
+Status train_probtalk3d(const ProbTalk3DConfig& config, ConsoleProgress& progress);
+/// Write the model of the last checkpoint.
+Status snapshot_probtalk3d_prior(const ProbTalk3DPriorConfig& config, const std::filesystem::path& path,
+                                 ConsoleProgress& progress);
+Status snapshot_probtalk3d(const ProbTalk3DConfig& config, const std::filesystem::path& path,
+                           ConsoleProgress& progress);
 
 /// SAiD's denoiser on coefficients and sound.
 Status train_said(const SaidConfig& config, ConsoleProgress& progress);

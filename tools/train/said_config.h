@@ -1,4 +1,5 @@
 #pragma once
+#include "encoder_source.h"
 #include "mien/train/said_training.h"
 #include "training_config.h"
 
@@ -8,7 +9,7 @@ namespace mien::train {
 /// published.
 struct SaidConfig {
   RunConfig run;
-  std::filesystem::path encoder;    ///< a model file with a speech encoder
+  EncoderChoice encoder;
   std::filesystem::path sound;      ///< folder of <person>/sentenceNN.wav; empty: beside the coefficients
   std::filesystem::path deviation;  ///< coeffs_std.csv, which differences are divided by; empty: they are not
   std::int64_t width = 192;         ///< of the denoiser

@@ -3,12 +3,25 @@
 #define TOML_EXCEPTIONS 0
 #include <toml++/toml.h>
 
+#include <limits>
 #include <map>
 #include <set>
 
 #include "mien/base/file.h"
 
 namespace mien::train {
+
+namespace {
+constexpr double kUnlimited = std::numeric_limits<double>::infinity();
+}  // namespace
+
+Range at_least(std::int64_t least) {
+  return {static_cast<double>(least), kUnlimited, true, false, "must be at least " + std::to_string(least)};
+}
+Range above_zero() { return {0, kUnlimited, false, false, "must be above 0"}; }
+Range not_negative() { return {0, kUnlimited, true, false, "must not be negative"}; }
+Range share() { return {0, 1, true, true, "must lie in [0, 1]"}; }
+Range share_below_one() { return {0, 1, true, false, "must lie in [0, 1)"}; }
 
 struct TomlFile::State {
   std::filesystem::path path;
@@ -93,6 +106,12 @@ void TomlFile::read(const char* table, const char* key, std::vector<std::string>
   if (array == nullptr || texts.size() != array->size())
     return state_->complain(*node, "'" + std::string(key) + "' is not a list of texts");
   value = std::move(texts);
+}
+
+bool TomlFile::has_table(const char* table) const { return state_->root[table].is_table(); }
+bool TomlFile::has(const char* table, const char* key) { return state_->find(table, key) != nullptr; }
+std::string TomlFile::field_name(const char* table, const char* key) {
+  return "[" + std::string(table) + "] " + key;
 }
 
 void TomlFile::complain(const std::string& problem) { state_->problems += problem + "; "; }

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 
-#include "mien/audio/load_audio.h"
-#include "mien/models/speech_encoder/network.h"
+#include "mien/core/emotion.h"
+#include "mien/core/flame_parameters.h"
+#include "mien/models/probtalk3d/conventions.h"
+#include "sound_input.h"
 
 namespace mien::train {
 namespace {
@@ -15,23 +17,45 @@ bool is_expressive(DatasetKind kind, const SequenceName& name) {
          (kind == DatasetKind::biwi_expressive && name.sentence > kLastNeutralSentence);
 }
 
+// Expressions and jaw out of all parameters, [N, 403] -> [N, num_expression + 3].
+std::vector<float> expression_and_jaw(const Motion& all, std::int64_t num_expression) {
+  constexpr std::size_t kJaw = kNumFlameShape + kNumFlameExpression;
+  std::vector<float> kept;
+  kept.reserve(static_cast<std::size_t>(all.num_frames()) *
+               (static_cast<std::size_t>(num_expression) + kNumFlameJaw));
+  for (std::int64_t n = 0; n < all.num_frames(); ++n) {
+    const auto expression = all.frame(n).subspan(kNumFlameShape, static_cast<std::size_t>(num_expression));
+    const auto jaw = all.frame(n).subspan(kJaw, kNumFlameJaw);
+    kept.insert(kept.end(), expression.begin(), expression.end());
+    kept.insert(kept.end(), jaw.begin(), jaw.end());
+  }
+  return kept;
+}
+
 // What the closure of FaceSequences holds.
 struct Source {
   std::shared_ptr<const Dataset> dataset;
-  EncoderConfig encoder;
   FaceDataOptions options;
   std::vector<const DatasetSequence*> train, valid;
 
+  [[nodiscard]] std::vector<float> style_of(const SequenceName& name) const {
+    const auto num_subjects = static_cast<std::int64_t>(options.subjects.size());
+    const std::int64_t subject = std::ranges::find(options.subjects, name.subject) - options.subjects.begin();
+    if (!options.has_emotions) return one_hot_weights(subject, num_subjects);
+    return mien::probtalk3d::style_weights(
+        subject, num_subjects, name.emotion, kNumEmotions, name.intensity,
+        static_cast<std::int64_t>(mien::probtalk3d::published_intensities().size()));
+  }
   [[nodiscard]] Result<FaceSequence> load(const DatasetSequence& from) const {
     FaceSequence s;
     s.name = from.name;
-    MIEN_TRY(AudioClip clip, load_audio(from.audio));
-    s.waveform = std::move(clip.samples);
-    if (encoder.do_normalize) normalise_waveform(s.waveform, encoder.normalise_eps);
+    MIEN_TRY(s.waveform, heard_sound(from.audio, options.sound));
     MIEN_TRY(Motion motion, load_sequence(*dataset, from));
-    s.motion = std::move(motion.values);
-    const auto subject = std::ranges::find(options.subjects, from.parts.subject);
-    if (subject != options.subjects.end()) s.subject = subject - options.subjects.begin();
+    s.motion = dataset->layout->space == MotionSpace::flame
+                   ? expression_and_jaw(motion, options.num_expression)
+                   : std::move(motion.values);
+    if (options.scaler) apply_scaler(*options.scaler, s.motion);
+    if (!options.subjects.empty()) s.style = style_of(from.parts);
     s.emotion = is_expressive(dataset->layout->kind, from.parts) ? 1 : 0;
     if (options.needs_neutral) s.neutral = dataset->templates.at(from.parts.subject);
     return s;
@@ -40,10 +64,8 @@ struct Source {
 
 }  // namespace
 
-Result<FaceSequences> face_sequences(std::shared_ptr<const Dataset> dataset, const EncoderConfig& encoder,
-                                     FaceDataOptions options) {
-  const auto source =
-      std::make_shared<Source>(Source{std::move(dataset), encoder, std::move(options), {}, {}});
+Result<FaceSequences> face_sequences(std::shared_ptr<const Dataset> dataset, FaceDataOptions options) {
+  const auto source = std::make_shared<Source>(Source{std::move(dataset), std::move(options), {}, {}});
   const auto& subjects = source->options.subjects;
   const std::string folder = "'" + source->dataset->folder.string() + "'";
   for (const DatasetSequence& s : source->dataset->sequences) {

@@ -1,11 +1,10 @@
 #include "mien/train/face_training.h"
 
 #include <array>
-#include <numeric>
 
 #include "batch_tensors.h"
+#include "mien/base/contract.h"
 #include "mien/base/hash.h"
-#include "mien/train/encoder_training.h"
 
 namespace mien::train {
 namespace {
@@ -22,29 +21,7 @@ Tensor neutral_of(const FaceSequence& sequence, torch::Device device) {
 }
 
 Tensor one_hot(std::int64_t index, std::int64_t width, torch::Device device) {
-  Tensor row = torch::zeros({1, 1, width});
-  row.select(-1, index).fill_(1);
-  return row.to(device);
-}
-
-// Whether the parameters whose names begin so are all frozen; "": all of the encoder's.
-bool is_frozen(SpeechEncoder<Tensor>& encoder, std::string_view beginning) {
-  const auto entries = parameters(encoder);
-  return std::none_of(entries.begin(), entries.end(), [&](const Collect::Entry& e) {
-    return e.name.starts_with(beginning) && e.slot->requires_grad();
-  });
-}
-
-std::vector<std::size_t> shuffled(std::size_t count, std::uint64_t seed) {
-  std::vector<std::size_t> order(count);
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  Rng rng(seed);
-  for (std::size_t i = count; i > 1; --i) std::swap(order[i - 1], order[rng.below(i)]);
-  return order;
-}
-
-std::uint64_t seed_of(std::string_view purpose, std::uint64_t seed, std::int64_t index) {
-  return hash_combine(hash64(purpose, seed), static_cast<std::uint64_t>(index));
+  return as_tensor(one_hot_weights(index, width), {1, 1, width}).to(device);
 }
 
 }  // namespace
@@ -62,42 +39,9 @@ FaceStage::FaceStage(FaceNetwork& network, FaceSequences sequences, const FaceTr
       sequences_(std::move(sequences)),
       options_(options),
       process_(betas_of(options.schedule, options.diffusion_steps)),
-      front_is_frozen_(is_frozen(network.encoder, "feature_")),
-      encoder_is_frozen_(is_frozen(network.encoder, "")) {}
-
-template <class Compute>
-Tensor FaceStage::kept(const FaceSequence& sequence, Compute&& compute) {
-  Tensor& kept = features_[sequence.name];
-  if (!kept.defined()) {
-    const torch::NoGradGuard no_grad;
-    kept = compute();
-  }
-  return kept;
-}
-
-Tensor FaceStage::projected(const FaceSequence& sequence) {
-  const auto compute = [&] {
-    const auto length = static_cast<std::int64_t>(sequence.waveform.size());
-    return network_.encoder.project(
-        network_.encoder.extract(as_tensor(sequence.waveform, {1, length, 1}).to(options_.device)));
-  };
-  // Where nothing is random behind it, encode() keeps what the whole encoder makes instead.
-  if (!front_is_frozen_ || !options_.cache_features || hears_the_same()) return compute();
-  return kept(sequence, compute);
-}
-
-bool FaceStage::hears_the_same() const {
-  return encoder_is_frozen_ && options_.cache_features && !options_.encoder_dropout && !options_.layer_drop &&
-         !options_.spec_augment;
-}
-
-Tensor FaceStage::encode(const FaceSequence& sequence, Rng* random) {
-  if (hears_the_same())
-    return kept(sequence, [&] { return network_.encoder.transform(projected(sequence)); });
-  if (random == nullptr) return network_.encoder.transform(projected(sequence));
-  return transform_at_random(network_.encoder, projected(sequence), {},
-                             {options_.encoder_dropout, options_.layer_drop, options_.spec_augment}, *random);
-}
+      encoder_(network.encoder, {options.encoder_dropout, options.layer_drop, options.spec_augment},
+               options.device, options.cache_features),
+      order_(sequences_.num_train, options.seed) {}
 
 Tensor FaceStage::masked(const Tensor& speech, Rng& random) const {
   const AudioMask kind = options_.mask;
@@ -123,17 +67,23 @@ Tensor FaceStage::predict(const FaceSequence& sequence, const Tensor& speech, co
                           const DecoderPass<Tensor>& pass) const {
   const auto device = options_.device;
   const auto neutral = [&] { return neutral_of(sequence, device); };
+  const auto style = [&] {
+    const std::int64_t columns = network_.num_styles();
+    contract(static_cast<std::int64_t>(sequence.style.size()) == columns,
+             "FaceStage: a sequence has another style");
+    return as_tensor(sequence.style, {1, 1, columns}).to(device);
+  };
   return std::visit(
       [&](const auto& head) {
         using Head = std::decay_t<decltype(head)>;
         if constexpr (std::is_same_v<Head, facexhubert::Network<Tensor>>) {
-          return head(speech, one_hot(sequence.subject, head.sizes.num_subjects, device),
-                      one_hot(sequence.emotion, head.sizes.num_emotions, device), neutral(), nullptr, pass);
+          return head(speech, style(), one_hot(sequence.emotion, head.sizes.num_emotions, device), neutral(),
+                      nullptr, pass);
         } else {
           facediffuser::Conditions<Tensor> given;
           given.speech = head.speech_tokens(speech);
           if constexpr (std::is_same_v<Head, facediffuser::VertexDenoiser<Tensor>>) {
-            given.style = head.style(one_hot(sequence.subject, head.sizes.num_subjects, device));
+            given.style = head.style(style());
             given.neutral = neutral();
           }
           if (!head.sizes.is_diffusion()) return head.predict_x0({}, given, 0, pass);
@@ -145,28 +95,20 @@ Tensor FaceStage::predict(const FaceSequence& sequence, const Tensor& speech, co
 
 Result<Alignment> FaceStage::align(const FaceSequence& sequence) const {
   const std::int64_t width = network_.num_channels();
-  const auto num_values = static_cast<std::int64_t>(sequence.motion.size());
-  const auto unfit = [&](const std::string& why) {
-    return Error{Errc::incompatible, "sequence '" + sequence.name + "'", why,
-                 "Check the data: mien data check"};
-  };
-  if (num_values == 0 || num_values % width != 0)
-    return unfit(std::to_string(num_values) + " numbers are no frames of " + std::to_string(width));
-  if (!sequence.neutral.empty() && static_cast<std::int64_t>(sequence.neutral.size()) != width)
-    return unfit("its neutral face has " + std::to_string(sequence.neutral.size()) + " numbers, a frame " +
-                 std::to_string(width));
-  const auto num_samples = static_cast<std::int64_t>(sequence.waveform.size());
-  const std::int64_t num_features = network_.encoder.config.num_frames(num_samples);
-  Alignment alignment = align_features(num_features, num_values / width, network_.fps);
-  if (alignment.num_frames < 1) return unfit("its sound is too short for a frame");
-  return alignment;
+  const auto neutral = static_cast<std::int64_t>(sequence.neutral.size());
+  if (neutral != 0 && neutral != width)
+    return Error{
+        Errc::incompatible, "sequence '" + sequence.name + "'",
+        "its neutral face has " + std::to_string(neutral) + " numbers, a frame " + std::to_string(width),
+        "Check the data: mien data check"};
+  return align_sequence(sequence, width, network_.encoder.config, network_.fps);
 }
 
 Result<FaceStage::Estimate> FaceStage::estimate(const FaceSequence& sequence, const Noisy& noisy,
                                                 Rng* random) {
   MIEN_TRY(const Alignment alignment, align(sequence));
   Estimate result;
-  result.speech = aligned(encode(sequence, random), alignment);
+  result.speech = aligned(encoder_(sequence.name, sequence.waveform, random), alignment);
   if (random != nullptr) result.speech = masked(result.speech, *random);
   result.target =
       motion_of(sequence, network_.num_channels(), options_.device).narrow(1, 0, alignment.num_frames);
@@ -203,13 +145,7 @@ Result<Tensor> FaceStage::drawn_loss(FaceSequences::Split split, std::size_t ind
 }
 
 Result<Tensor> FaceStage::loss(std::int64_t step) {
-  const std::int64_t epoch = step / steps_per_epoch();
-  if (epoch != epoch_) {
-    order_ = shuffled(sequences_.num_train, seed_of("order", options_.seed, epoch));
-    epoch_ = epoch;
-  }
-  return drawn_loss(FaceSequences::Split::train, order_[static_cast<std::size_t>(step % steps_per_epoch())],
-                    seed_of("step", options_.seed, step));
+  return drawn_loss(FaceSequences::Split::train, order_.at(step), seed_of("step", options_.seed, step));
 }
 
 Result<double> FaceStage::validation_loss(std::int64_t epoch) {

@@ -191,6 +191,11 @@ Status run_stage(const std::string& name, const std::vector<Collect::Entry>& all
   progress.stage(name, options.num_steps);
   while (step < options.num_steps) {
     MIEN_TRY(const torch::Tensor value, loss(step));
+    if (!value.defined()) {  // enough
+      progress.update(options.num_steps);
+      MIEN_TRY([[maybe_unused]] const auto saved, save());
+      break;
+    }
     const double loss_value = value.item<double>();
     if (!std::isfinite(loss_value))
       return Error{Errc::failed, name, "the loss is not finite at step " + std::to_string(step),

@@ -71,7 +71,7 @@ FaceSequence recording(std::size_t index) {
     for (std::int64_t c = 0; c < kWidth; ++c)
       s.motion.push_back(static_cast<float>(0.3 + (c % 2 == 0 ? 0.5 : -0.5) * loud(n / 25.0)));
   s.neutral.assign(kWidth, 0.3f);
-  s.subject = static_cast<std::int64_t>(index) % kSubjects;
+  s.style = one_hot_weights(static_cast<std::int64_t>(index) % kSubjects, kSubjects);
   return s;
 }
 

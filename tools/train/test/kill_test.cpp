@@ -8,6 +8,7 @@
 #include "mien/base/file.h"
 #include "running_program.h"
 #include "small_encoder.h"
+#include "small_mead.h"
 #include "small_set.h"
 #include "test_folder.h"
 #include "test_paths.h"
@@ -72,6 +73,46 @@ export_every = 6
 )";
 constexpr std::size_t kSaidSteps = 40;  // two batches of two for three sequences, twenty times
 
+// Both stages of ProbTalk3D. The validation of every epoch is part of the state.
+constexpr const char* kPriorConfig = R"([run]
+system = "probtalk3d_prior"
+data = "mead"
+output = "model.safetensors"
+work_folder = "work"
+threads = 1
+[model]
+width = 16
+inner = 24
+heads = 2
+blocks = 1
+codes = 12
+code_width = 8
+[training]
+epochs = 15
+learning_rate = 1e-3
+patience = 15
+checkpoint_every = 7
+)";
+constexpr const char* kTalkingConfig = R"([run]
+system = "probtalk3d"
+data = "mead"
+prior = "prior.safetensors"
+encoder = "encoder.safetensors"
+output = "model.safetensors"
+work_folder = "work"
+threads = 1
+[model]
+blocks = 1
+[training]
+epochs = 15
+learning_rate = 1e-3
+monitor = "epoch_mean"
+keep = "best"
+patience = 15
+checkpoint_every = 7
+)";
+constexpr std::size_t kTalkingSteps = 45;  // three clips, fifteen times
+
 std::string text_of(const fs::path& path) {
   const auto bytes = read_file(path);
   return bytes ? std::string(as_text(*bytes)) : "";
@@ -97,6 +138,13 @@ class Training : public testing::Test {
       write_coefficients(run / (std::string(sentence) + ".csv"), 45, 0.1);
       write_wav(run / (std::string(sentence) + ".wav"), 12000);
     }
+    return run;
+  }
+  fs::path new_mead_run(const std::string& name, const char* config) const {
+    const fs::path run = new_run(name, config);
+    write_encoder(run / "encoder.safetensors");
+    write_mead_parameters(run / "mead",
+                          {"M003_001_0_0", "M003_002_1_2", "W029_003_7_0", "W029_033_0_0", "M032_001_0_0"});
     return run;
   }
   static std::unique_ptr<RunningProgram> start(const fs::path& run) {
@@ -148,6 +196,17 @@ TEST_F(Training, OfSaidGoesOnAfterBeingKilledWithTheSameLosses) {
   for (const char* model :
        {"work/epoch_5.safetensors", "work/epoch_11.safetensors", "work/epoch_17.safetensors"})
     EXPECT_TRUE(text_of(killed / model) == text_of(whole / model)) << model;
+}
+
+TEST_F(Training, OfBothStagesOfProbTalk3DGoesOnAfterBeingKilledWithTheSameLosses) {
+  const fs::path prior = new_mead_run("prior", kPriorConfig);
+  expect_same(prior, new_mead_run("killed_prior", kPriorConfig), {3, 12, 26, 41}, 4 * 15);
+  const fs::path whole = new_mead_run("whole", kTalkingConfig),
+                 killed = new_mead_run("killed", kTalkingConfig);
+  for (const fs::path& run : {whole, killed})
+    fs::copy_file(prior / "model.safetensors", run / "prior.safetensors");
+  expect_same(whole, killed, {3, 12, 26, 33}, kTalkingSteps);
+  EXPECT_TRUE(text_of(killed / "work/best.safetensors") == text_of(whole / "work/best.safetensors"));
 }
 
 }  // namespace

@@ -1,6 +1,10 @@
 #pragma once
 #include <torch/torch.h>
 
+#include <map>
+#include <string>
+#include <vector>
+
 #include "mien/base/random.h"
 #include "mien/io/safetensors.h"
 #include "mien/models/speech_encoder/network.h"
@@ -51,5 +55,30 @@ struct EncoderNoise {
 /// the batch and skipped layers are drawn from `random`, dropout from LibTorch's generator.
 torch::Tensor transform_at_random(const SpeechEncoder<torch::Tensor>& encoder, const torch::Tensor& projected,
                                   EncoderCall call, const EncoderNoise& noise, Rng& random);
+
+/// The encoder of a training whose steps hear one clip each.
+class ClipEncoder {
+ public:
+  /// @param keeps  keep what the convolutions and the projection make of each clip where they are frozen:
+  ///               nothing random comes before it, so the features are the same. [A, H] float32 for every
+  ///               clip, 150 kB a second at H = 768. The whole encoder's output instead where all of it is
+  ///               frozen and none of its randomness on. @pre freeze() was called; `encoder` outlives the
+  ///               object
+  ClipEncoder(SpeechEncoder<torch::Tensor>& encoder, const EncoderNoise& noise, torch::Device device,
+              bool keeps);
+  /// Features [1, A, H] of a clip [S], which is known by its name. Without `random` in evaluation mode.
+  torch::Tensor operator()(const std::string& name, const std::vector<float>& waveform, Rng* random);
+  [[nodiscard]] const EncoderConfig& config() const { return encoder_.config; }
+
+ private:
+  enum class Keeps { nothing, front, all };
+  torch::Tensor projected(const std::vector<float>& waveform) const;
+
+  SpeechEncoder<torch::Tensor>& encoder_;
+  EncoderNoise noise_;
+  torch::Device device_;
+  Keeps keeps_;
+  std::map<std::string, torch::Tensor> kept_;
+};
 
 }  // namespace mien::train

@@ -35,6 +35,10 @@ struct FaceNetwork {
         },
         head);
   }
+  /// Columns of the style; 0 for the systems without.
+  [[nodiscard]] std::int64_t num_styles() const {
+    return std::visit([](const auto& h) { return h.sizes.num_subjects; }, head);
+  }
   [[nodiscard]] std::int64_t num_channels() const {
     return std::visit([](const auto& h) { return h.sizes.num_channels; }, head);
   }

@@ -2,14 +2,14 @@
 #include <torch/torch.h>
 
 #include <cstdint>
-#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "mien/models/alignment.h"
 #include "mien/motion/diffusion_process.h"
+#include "mien/train/encoder_training.h"
+#include "mien/train/epoch_order.h"
 #include "mien/train/face_network.h"
 #include "mien/train/face_sequence.h"
 
@@ -43,10 +43,7 @@ struct FaceTrainingOptions {
   double decoder_dropout = 0.3;  ///< between recurrent layers, or in a transformer's
   AudioMask mask = AudioMask::none;
   double mask_share = 0.25;
-  /// Keep what the encoder's front makes of each clip, when the front is frozen: nothing random comes before
-  /// it, so the losses are the same. [A, 768] float32 for every clip, 150 kB a second. The whole encoder's
-  /// output instead where all of it is frozen and none of its randomness on.
-  bool cache_features = true;
+  bool cache_features = true;  ///< of the encoder's frozen front: see ClipEncoder
 };
 
 /// Training of FaceXHuBERT or FaceDiffuser: one sequence a step, all of them in a new order each epoch
@@ -83,11 +80,6 @@ class FaceStage {
                                       std::int64_t step) const;
 
  private:
-  [[nodiscard]] torch::Tensor projected(const FaceSequence& sequence);
-  [[nodiscard]] torch::Tensor encode(const FaceSequence& sequence, Rng* random);
-  [[nodiscard]] bool hears_the_same() const;  ///< the encoder's output of a clip is the same at every step
-  template <class Compute>
-  torch::Tensor kept(const FaceSequence& sequence, Compute&& compute);
   [[nodiscard]] torch::Tensor masked(const torch::Tensor& speech, Rng& random) const;
   [[nodiscard]] torch::Tensor predict(const FaceSequence& sequence, const torch::Tensor& speech,
                                       const Noisy& noisy, const DecoderPass<torch::Tensor>& pass) const;
@@ -98,10 +90,8 @@ class FaceStage {
   FaceSequences sequences_;
   FaceTrainingOptions options_;
   DiffusionProcess process_;
-  bool front_is_frozen_, encoder_is_frozen_;
-  std::map<std::string, torch::Tensor> features_;  // of what is frozen, by sequence
-  std::int64_t epoch_ = -1;
-  std::vector<std::size_t> order_;  // of the epoch
+  ClipEncoder encoder_;
+  EpochOrder order_;
 };
 
 }  // namespace mien::train

@@ -72,8 +72,9 @@ struct StepReport {
 /// Minimises `loss(step)` over the trained parameters of `entries`, in order of steps. The state is saved to
 /// `checkpoint` every `checkpoint_every` steps and at the end; when the file exists, the stage goes on from
 /// it and gives the same losses as without the interruption, provided that loss(step) draws all its
-/// randomness from the step. A parameter rests until a loss first depends on it. On success the parameters
-/// hold their exponential average (if there is one) and need no gradient any more.
+/// randomness from the step. An undefined loss ends the stage early. A parameter rests until a loss first
+/// depends on it. On success the parameters hold their exponential average (if there is one) and need no
+/// gradient any more.
 ///
 /// Errors: Errc::cancelled after progress.cancel() (a checkpoint is kept), Errc::failed when the loss is not
 /// finite; those of loss().

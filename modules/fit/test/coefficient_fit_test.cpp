@@ -76,6 +76,37 @@ TEST(CoefficientFit, ReportsWhatTheLimitsLeaveOver) {
   EXPECT_GT(fit->residual[1], 1e-3);
 }
 
+TEST(CoefficientFit, StaysBetweenZeroAndOneAtTheRateOfTheSequence) {
+  const Rig rig = random_rig(60, 3);
+  const std::vector<float> curves = {1.4f, -0.3f, 0.5f, 1.4f, -0.3f, 0.5f};
+  Motion sequence = perform(rig, curves);
+  sequence.fps = 25;
+  Progress progress;
+  const auto fit = fit_coefficients(rig.neutral, rig.shapes, sequence, {}, {}, progress);
+  ASSERT_TRUE(fit.has_value());
+  EXPECT_EQ(fit->coefficients.fps, 25);
+  for (std::size_t i = 0; i < curves.size(); i += 3) {
+    EXPECT_NEAR(fit->coefficients.values[i], 1, 1e-6);
+    EXPECT_NEAR(fit->coefficients.values[i + 1], 0, 1e-6);
+  }
+}
+
+TEST(CoefficientFit, ResidualsAreRootMeanSquaresOfTheirVertices) {
+  Rig rig = random_rig(60, 1);
+  rig.shapes = {{"shape", {0}, {{0.01f, 0, 0}}, {}}};
+  const std::vector<float> curves = {0};
+  Motion sequence = perform(rig, curves);
+  sequence.values[3 * 5] += 0.003f;  // what no shape moves
+  sequence.values[3 * 6] += 0.004f;
+  Progress progress;
+  const FitRegions regions = {{"both", {5, 6}}, {"one", {6}}};
+  const auto fit = fit_coefficients(rig.neutral, rig.shapes, sequence, regions, {}, progress);
+  ASSERT_TRUE(fit.has_value());
+  EXPECT_NEAR(fit->residual[0], 0.005 / std::sqrt(60.0), 1e-7);
+  EXPECT_NEAR(fit->region_residual.at("both")[0], 0.005 / std::sqrt(2.0), 1e-7);
+  EXPECT_NEAR(fit->region_residual.at("one")[0], 0.004, 1e-7);
+}
+
 TEST(CoefficientFit, RefusesOtherMeshesAndNumbers) {
   const Rig rig = random_rig(20, 2);
   Progress progress;

@@ -65,6 +65,28 @@ TEST(ShapeTransfer, MakesTheShapesOfTheSameSurfaceOnAnotherMesh) {
   EXPECT_EQ(again->shapes[0].offsets, result->shapes[0].offsets);
 }
 
+// A target of twice the size that faces another way: its shapes are turned and scaled with it.
+TEST(ShapeTransfer, TurnsAndScalesShapesWithTheTarget) {
+  const auto turned = [](const Point3& p) { return Point3{-2 * p[1], 2 * p[0], 2 * p[2]}; };
+  Surface other = sheet(17, 15);
+  for (Point3& p : other.points) p = turned(p);
+  const Mesh source = mesh_of(sheet(11, 11)), target = mesh_of(other);
+  const std::vector<Blendshape> shapes = {shape_of(sheet(11, 11), "raise", 1)};
+  Progress progress;
+  const auto result = transfer_shapes({&source}, shapes, {&target}, kMarkers, {}, progress);
+  ASSERT_TRUE(result.has_value()) << result.error().message();
+  EXPECT_NEAR(result->report.similarity.scale, 2, 1e-3);
+  const Blendshape& made = result->shapes.at(0);
+  double worst = 0;
+  for (std::size_t m = 0; m < made.vertices.size(); ++m) {
+    const Point3 wanted = turned(raise(sheet(17, 15).points[made.vertices[m]]));
+    const Vec3& o = made.offsets[m];
+    worst =
+        std::max({worst, std::abs(o.x - wanted[0]), std::abs(o.y - wanted[1]), std::abs(o.z - wanted[2])});
+  }
+  EXPECT_LT(worst, 0.06);  // of 0.4, twice what the same surface allows
+}
+
 TEST(ShapeTransfer, PiecesThatTouchStayTogether) {
   const Mesh source = mesh_of(sheet(11, 11)), target = mesh_of(cut_along(sheet(17, 15), 17, 6));
   const std::vector<Blendshape> shapes = {shape_of(sheet(11, 11), "raise", 1)};

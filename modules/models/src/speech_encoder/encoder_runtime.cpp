@@ -38,6 +38,12 @@ Backend backend_of(EncoderPrecision precision) {
 
 namespace {
 
+// Who computes the products of the convolutions and of the projection.
+Backend front_backend_of(EncoderPrecision precision) {
+  if (precision != EncoderPrecision::int8) return backend_of(precision);
+  return backend_available(Backend::onednn_bf16) ? Backend::onednn_bf16 : Backend::rowwise;
+}
+
 constexpr std::size_t kReadSamples = 1 << 14;  // at a time, 1 s
 
 // The part of the speech that a window needs, normalised. Parts begin in rising order.
@@ -85,8 +91,8 @@ bool encoder_precision_available(EncoderPrecision precision) {
 struct EncoderRuntime::State {
   State(SpeechEncoder<PlainWeights> weights, EncoderPrecision precision)
       : config(weights.config),
-        convolutions(config, weights.conv_layers, backend_of(precision)),
-        layers(weights, backend_of(precision)) {}
+        convolutions(config, weights.conv_layers, front_backend_of(precision)),
+        layers(weights, front_backend_of(precision), backend_of(precision)) {}
 
   EncoderConfig config;
   speech_encoder::FastConvolutions convolutions;

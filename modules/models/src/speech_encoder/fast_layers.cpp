@@ -33,8 +33,9 @@ View view_of(std::span<const float> rows, std::int64_t width) {
 
 }  // namespace
 
-FastLayers::FastLayers(SpeechEncoder<PlainWeights>& encoder, Backend backend) : config_(encoder.config) {
-  const auto packed = [&](Linear<PlainWeights>& from) {
+FastLayers::FastLayers(SpeechEncoder<PlainWeights>& encoder, Backend front, Backend layers)
+    : config_(encoder.config) {
+  const auto packed = [](Linear<PlainWeights>& from, Backend backend) {
     Product p{PackedMatrix(from.weight, backend), std::move(from.bias)};
     from.weight = {};
     return p;
@@ -44,7 +45,7 @@ FastLayers::FastLayers(SpeechEncoder<PlainWeights>& encoder, Backend backend) : 
   };
   projection_norm_ = norm(encoder.projection_norm);
   norm_ = norm(encoder.layer_norm);
-  projection_ = packed(encoder.projection);
+  projection_ = packed(encoder.projection, front);
   auto& positions = encoder.pos_conv_embed;
   positions_ = pack_groups(weight_norm_taps(positions.weight_v, positions.weight_g), positions.groups);
   positions_bias_ = std::move(positions.bias);
@@ -64,10 +65,10 @@ FastLayers::FastLayers(SpeechEncoder<PlainWeights>& encoder, Backend backend) : 
       projection->weight = {};
       ++part;
     }
-    layers_.push_back({.query_key_value = {PackedMatrix(weight, backend), std::move(bias)},
-                       .out = packed(a.out_proj),
-                       .expand = packed(from.intermediate_dense),
-                       .contract = packed(from.output_dense),
+    layers_.push_back({.query_key_value = {PackedMatrix(weight, layers), std::move(bias)},
+                       .out = packed(a.out_proj, layers),
+                       .expand = packed(from.intermediate_dense, layers),
+                       .contract = packed(from.output_dense, layers),
                        .attention_norm = norm(from.layer_norm),
                        .final_norm = norm(from.final_layer_norm)});
   }

@@ -15,7 +15,9 @@ class FastLayers {
  public:
   /// Takes the weights out of `encoder`. The positional convolution, with its 48 outputs for 6144 inputs, and
   /// the attention products stay in float32: rounding their inputs costs what it saves.
-  FastLayers(SpeechEncoder<PlainWeights>& encoder, Backend backend);
+  /// @param front   who computes the products of the projection
+  /// @param layers  and those of the layers
+  FastLayers(SpeechEncoder<PlainWeights>& encoder, Backend front, Backend layers);
 
   /// x [T, C], the convolutions' output (interpolated, if at all) -> last hidden state [T, D].
   /// @param on_hidden  called with 0 and the input of the first layer, then with i and the output of layer i

@@ -20,11 +20,13 @@ namespace mien {
 enum class EncoderPrecision {
   float32,   ///< the bits of a frame do not depend on threads or processor
   bfloat16,  ///< inputs and weights rounded to 16 bits, float32 sums
-  int8,      ///< weights in 8 bits with a scale per output, inputs with a scale per row
+  int8,      ///< of the layers, weights in 8 bits with a scale per output, inputs with a scale per row; the
+         ///< convolutions and the projection as bfloat16 (as float32 on a processor without it), for motion
+         ///< answers to them most (docs/performance.md)
 };
 /// Whether this build and this processor can. float32 always can.
 bool encoder_precision_available(EncoderPrecision precision);
-/// Who computes its products.
+/// Who computes the products of its layers.
 Backend backend_of(EncoderPrecision precision);
 
 /// Long clips in pieces: each window of frames is encoded with frames of context on both sides, which are

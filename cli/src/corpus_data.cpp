@@ -31,11 +31,6 @@ NpyArray beat_array(const Motion& motion) {
 
 }  // namespace
 
-bool is_corpus_folder(const fs::path& folder) {
-  std::error_code ec;
-  return fs::exists(folder / "corpus.json", ec);
-}
-
 Result<PrepareReport> prepare_corpus(const fs::path& folder, const fs::path& out, Progress& progress) {
   MIEN_TRY(const CorpusReader corpus, CorpusReader::open(folder));
   MIEN_TRY([[maybe_unused]] const auto made, datasets::make_folders(out));

@@ -5,9 +5,6 @@
 
 namespace mien {
 
-/// Whether `folder` is a synthetic corpus (docs/corpus.md).
-bool is_corpus_folder(const std::filesystem::path& folder);
-
 /// Writes a corpus with sound as a data set of the layout `beat`: the first take of every item, 51
 /// coefficients at 30 frames a second, named <speaker>_<emotion as BEAT numbers it>_<running index>. `out` is
 /// made when missing; files of the same names are replaced. Warnings: items whose sound is shorter than a

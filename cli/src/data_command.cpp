@@ -86,7 +86,7 @@ Status run_check(const DataArguments& a, ConsoleProgress& progress) {
 }
 
 Result<PrepareReport> prepared(const DataArguments& a, DatasetKind kind, Progress& progress) {
-  if (!is_corpus_folder(a.folder))
+  if (!is_corpus(a.folder))
     return prepare_dataset(
         kind, a.folder, a.output,
         {.templates = a.templates, .mesh = a.mesh, .drop_vertices = a.drop_vertices, .scaler = a.scaler},

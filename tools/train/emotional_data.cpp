@@ -1,6 +1,6 @@
 #include "emotional_data.h"
 
-#include "mien/core/arkit.h"
+#include "mien/corpus/corpus_reader.h"
 #include "mien/models/probtalk3d/conventions.h"
 #include "mien/train/corpus_data.h"
 #include "mien/train/face_data.h"
@@ -17,11 +17,10 @@ Result<EmotionalData> open_corpus(const std::filesystem::path& folder, const Emo
   EmotionalData data;
   data.sequences = std::move(corpus.sequences);
   data.subjects = std::move(corpus.subjects);
-  data.output = {
-      .space = "arkit", .channels = static_cast<std::int64_t>(kNumArkit), .fps = kFps, .topology = ""};
+  data.output = std::move(corpus.output);
   data.jaw = probtalk3d::arkit_jaw();
-  data.description = "{\"layout\": \"corpus\"}";
-  data.licence = "that of the corpus and of the speech encoder";
+  data.description = std::move(corpus.description);
+  data.licence = std::move(corpus.licence);
   return data;
 }
 

@@ -77,11 +77,8 @@ Result<FaceConfig> read_face_config(TomlFile& file, Architecture architecture) {
   o.seed = c.run.seed;
   read_encoder_choice(file, c.encoder);
   file.read("run", "subjects", c.subjects);
-  if (architecture == Architecture::facediffuser_emotion) {
-    read_corpus_fields(file, c.corpus);
-  } else {
-    file.read("run", "layout", c.layout);
-  }
+  read_corpus_fields(file, c.corpus);
+  if (architecture != Architecture::facediffuser_emotion) file.read("run", "layout", c.layout);
   read_model(file, c);
   bool is_squared = false;
   file.read("training", "epochs", c.num_epochs, at_least(1));

@@ -18,7 +18,7 @@ struct FaceConfig {
   std::string layout;  ///< of the data set; empty: found from its names
   EncoderChoice encoder;
   std::vector<std::string> subjects;  ///< order of the style columns; empty: that of the data
-  CorpusFields corpus;                ///< of the emotional FaceDiffuser, where the data are a corpus
+  CorpusFields corpus;                ///< where the data are a corpus
   std::int64_t latent = 512;          ///< of the tokens; FaceXHuBERT has none
   std::int64_t hidden = 512;          ///< of the decoder
   DecoderSizes decoder;

@@ -1,7 +1,9 @@
 #include "emotional_data.h"
 #include "epoch_run.h"
 #include "mien/base/number_text.h"
+#include "mien/corpus/corpus_reader.h"
 #include "mien/datasets/dataset.h"
+#include "mien/train/corpus_data.h"
 #include "mien/train/face_data.h"
 #include "programs.h"
 
@@ -96,7 +98,35 @@ Status open_layout(const FaceConfig& config, const EncoderConfig& encoder, FaceR
   return Done{};
 }
 
-// 3DMEAD's meshes, or a corpus.
+// A corpus, with ARKit's 52 curves in place of vertices or of BEAT's 51.
+Status open_corpus(const FaceConfig& config, const EncoderConfig& encoder, FaceRun& run) {
+  const bool has_styles = config.architecture != Architecture::facediffuser_beat;
+  if (!config.layout.empty())
+    return Error{Errc::usage, "[run] layout", "is of the papers' data sets, and the data are a corpus",
+                 "Leave it out"};
+  if (config.architecture == Architecture::facediffuser_damm)
+    return Error{Errc::incompatible, "'" + config.run.data.string() + "'",
+                 "is a corpus of ARKit's curves; " + config.run.system + " learns controls of a rig",
+                 "Train facediffuser_beat on it"};
+  CorpusDataOptions wanted;
+  wanted.sound = {encoder, false};
+  wanted.fps = has_styles ? 25 : dataset_layout(DatasetKind::beat).fps;
+  wanted.num_takes = config.corpus.num_takes;
+  wanted.subjects = config.subjects;
+  wanted.needs_neutral = has_styles;
+  wanted.style = has_styles ? CorpusStyle::speaker : CorpusStyle::none;
+  MIEN_TRY(CorpusData corpus, corpus_data(config.run.data, config.corpus.validation, wanted));
+  ModelFile& m = run.description;
+  m.output = std::move(corpus.output);
+  if (has_styles) m.subjects = std::move(corpus.subjects);
+  if (config.architecture == Architecture::facexhubert) m.emotions = {"neutral", "expressive"};
+  m.licence = std::move(corpus.licence);
+  m.training_set = std::move(corpus.description);
+  run.sequences = std::move(corpus.sequences);
+  return Done{};
+}
+
+// 3DMEAD's meshes, or a corpus with emotions.
 Status open_emotional(const FaceConfig& config, const EncoderConfig& encoder, FaceRun& run,
                       ConsoleProgress& progress) {
   MIEN_TRY(EmotionalData data, open_emotional_data(config.run.data,
@@ -110,6 +140,13 @@ Status open_emotional(const FaceConfig& config, const EncoderConfig& encoder, Fa
   run.sequences = std::move(data.sequences);
   run.templates = std::move(data.templates);
   return Done{};
+}
+
+Status open_sequences(const FaceConfig& config, const EncoderConfig& encoder, FaceRun& run,
+                      ConsoleProgress& progress) {
+  if (config.architecture == Architecture::facediffuser_emotion)
+    return open_emotional(config, encoder, run, progress);
+  return is_corpus(config.run.data) ? open_corpus(config, encoder, run) : open_layout(config, encoder, run);
 }
 
 void describe_network(const FaceConfig& config, const EncoderConfig& encoder, ModelFile& m) {
@@ -127,10 +164,7 @@ void describe_network(const FaceConfig& config, const EncoderConfig& encoder, Mo
 Result<FaceRun> prepare(const FaceConfig& config, ConsoleProgress& progress) {
   FaceRun run;
   MIEN_TRY(const auto source, open_encoder(config.encoder, config.options.spec_augment));
-  const bool is_emotional = config.architecture == Architecture::facediffuser_emotion;
-  MIEN_TRY([[maybe_unused]] const auto opened, is_emotional
-                                                   ? open_emotional(config, source.config, run, progress)
-                                                   : open_layout(config, source.config, run));
+  MIEN_TRY([[maybe_unused]] const auto opened, open_sequences(config, source.config, run, progress));
   describe_network(config, source.config, run.description);
   run.network.reset(new FaceNetwork{SpeechEncoder<Tensor>(source.config), head_for(config, run.description),
                                     run.description.output.fps});

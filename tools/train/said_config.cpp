@@ -1,7 +1,5 @@
 #include "said_config.h"
 
-#include "config_fields.h"
-
 namespace mien::train {
 
 Result<SaidConfig> read_said_config(TomlFile& file) {
@@ -10,6 +8,7 @@ Result<SaidConfig> read_said_config(TomlFile& file) {
   auto& o = c.options;
   o.seed = c.run.seed;
   read_encoder_choice(file, c.encoder);
+  read_corpus_fields(file, c.corpus);
   file.read("run", "sound", c.sound);
   file.read("run", "deviation", c.deviation);
   file.read("model", "width", c.width);

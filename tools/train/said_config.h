@@ -1,5 +1,5 @@
 #pragma once
-#include "encoder_source.h"
+#include "config_fields.h"
 #include "mien/train/said_training.h"
 #include "training_config.h"
 
@@ -10,6 +10,7 @@ namespace mien::train {
 struct SaidConfig {
   RunConfig run;
   EncoderChoice encoder;
+  CorpusFields corpus;              ///< where the data are a corpus
   std::filesystem::path sound;      ///< folder of <person>/sentenceNN.wav; empty: beside the coefficients
   std::filesystem::path deviation;  ///< coeffs_std.csv, which differences are divided by; empty: they are not
   std::int64_t width = 192;         ///< of the denoiser

@@ -1,9 +1,10 @@
-#include "coefficient_data.h"
+#include "corpus_coefficients.h"
 #include "encoder_source.h"
 #include "epoch_run.h"
 #include "mien/base/hash.h"
 #include "mien/base/number_text.h"
 #include "mien/core/arkit.h"
+#include "mien/corpus/corpus_reader.h"
 #include "mien/models/model_file.h"
 #include "programs.h"
 
@@ -29,7 +30,7 @@ ModelFile describe(const SaidConfig& config, const said::Sizes& sizes, const Enc
   if (!sizes.is_aligned) m.sizes["alignment_bias"] = 0;
   m.licence = "that of the coefficients, the sound and the speech encoder it was trained on";
   m.training_config = config.run.text;
-  m.training_set = "{\"layout\": \"coefficients\"}";
+  m.training_set = is_corpus(config.run.data) ? "{\"layout\": \"corpus\"}" : "{\"layout\": \"coefficients\"}";
   return m;
 }
 
@@ -52,6 +53,16 @@ Result<SaidRun> prepare(const SaidConfig& config) {
   return run;
 }
 
+Result<CoefficientData> read_data(const SaidConfig& config, ConsoleProgress& progress) {
+  if (is_corpus(config.run.data))
+    return read_corpus_coefficients(config.run.data, config.corpus, /*hears=*/true, progress);
+  const auto sound_of = [&](const CoefficientFile& file) {
+    const auto folder = config.sound.empty() ? file.path.parent_path() : config.sound / file.person;
+    return (folder / file.path.stem()).replace_extension(".wav");
+  };
+  return read_coefficient_data(config.run.data, sound_of, progress);
+}
+
 Status write_model(SaidRun& run, const std::filesystem::path& path) {
   return save_parameters(parameters(*run.network), path, false, to_metadata(run.description));
 }
@@ -60,11 +71,7 @@ Status write_model(SaidRun& run, const std::filesystem::path& path) {
 
 Status train_said(const SaidConfig& config, ConsoleProgress& progress) {
   MIEN_TRY(SaidRun run, prepare(config));
-  const auto sound_of = [&](const CoefficientFile& file) {
-    const auto folder = config.sound.empty() ? file.path.parent_path() : config.sound / file.person;
-    return (folder / file.path.stem()).replace_extension(".wav");
-  };
-  MIEN_TRY(CoefficientData data, read_coefficient_data(config.run.data, sound_of, progress));
+  MIEN_TRY(CoefficientData data, read_data(config, progress));
   SaidTrainingOptions options = config.options;
   if (!config.deviation.empty()) {
     MIEN_TRY(options.deviation, read_deviation(config.deviation));

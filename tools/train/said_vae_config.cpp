@@ -8,6 +8,7 @@ Result<SaidVaeConfig> read_said_vae_config(TomlFile& file) {
   c.run.read(file);
   auto& o = c.options;
   o.seed = c.run.seed;
+  read_corpus_fields(file, c.corpus);
   file.read("run", "deviation", c.deviation);
   file.read("model", "window", c.sizes.window, at_least(kLeastWindow));
   file.read("model", "latent", c.sizes.latent, at_least(1));

@@ -1,4 +1,5 @@
 #pragma once
+#include "config_fields.h"
 #include "mien/train/said_vae_training.h"
 #include "training_config.h"
 
@@ -8,6 +9,7 @@ namespace mien::train {
 /// as published.
 struct SaidVaeConfig {
   RunConfig run;
+  CorpusFields corpus;              ///< where the data are a corpus
   std::filesystem::path deviation;  ///< coeffs_std.csv; empty: measured on the training sequences
   bool divides = true;              ///< differences by the deviation
   said::VaeSizes sizes;

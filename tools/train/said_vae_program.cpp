@@ -1,7 +1,8 @@
-#include "coefficient_data.h"
+#include "corpus_coefficients.h"
 #include "epoch_run.h"
 #include "mien/base/number_text.h"
 #include "mien/core/arkit.h"
+#include "mien/corpus/corpus_reader.h"
 #include "mien/models/model_file.h"
 #include "programs.h"
 
@@ -23,7 +24,7 @@ Status write_codec(said::Vae<Tensor>& vae, const SaidVaeConfig& config, const st
   m.output = {.space = "arkit", .channels = config.sizes.channels, .fps = kCoefficientFps, .topology = ""};
   m.licence = "that of the coefficients it was trained on";
   m.training_config = config.run.text;
-  m.training_set = "{\"layout\": \"coefficients\"}";
+  m.training_set = is_corpus(config.run.data) ? "{\"layout\": \"corpus\"}" : "{\"layout\": \"coefficients\"}";
   return save_parameters(parameters(vae), path, false, to_metadata(m));
 }
 
@@ -35,7 +36,10 @@ void prepare(said::Vae<Tensor>& vae, const SaidVaeConfig& config) {
 }  // namespace
 
 Status train_said_vae(const SaidVaeConfig& config, ConsoleProgress& progress) {
-  MIEN_TRY(CoefficientData data, read_coefficient_data(config.run.data, {}, progress));
+  MIEN_TRY(CoefficientData data,
+           is_corpus(config.run.data)
+               ? read_corpus_coefficients(config.run.data, config.corpus, false, progress)
+               : read_coefficient_data(config.run.data, {}, progress));
   VaeTrainingOptions options = config.options;
   MIEN_TRY(options.deviation, deviation_for(config, data));
   MIEN_TRY([[maybe_unused]] const auto begun, config.run.begin());

@@ -35,6 +35,11 @@ Status make_folder(const fs::path& folder) {
 
 }  // namespace
 
+bool is_corpus(const fs::path& folder) {
+  std::error_code ec;
+  return fs::exists(folder / "corpus.json", ec);
+}
+
 fs::path curve_path(const fs::path& folder, std::string_view id) {
   return folder / "curves" / (std::string(id) + ".pcv");
 }

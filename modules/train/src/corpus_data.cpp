@@ -26,11 +26,13 @@ struct Source {
   std::vector<Performance> train, valid;
 
   [[nodiscard]] std::vector<float> style_of(const CorpusItem& item) const {
-    const auto& subjects = options.subjects;
+    if (options.style == CorpusStyle::none) return {};
+    const auto speaker = std::ranges::find(options.subjects, item.speaker) - options.subjects.begin();
+    const auto num_speakers = static_cast<std::int64_t>(options.subjects.size());
+    if (options.style == CorpusStyle::speaker) return one_hot_weights(speaker, num_speakers);
     return mien::probtalk3d::style_weights(
-        std::ranges::find(subjects, item.speaker) - subjects.begin(),
-        static_cast<std::int64_t>(subjects.size()), static_cast<std::int64_t>(item.emotion), kNumEmotions,
-        item.level - 1, static_cast<std::int64_t>(mien::probtalk3d::published_intensities().size()));
+        speaker, num_speakers, static_cast<std::int64_t>(item.emotion), kNumEmotions, item.level - 1,
+        static_cast<std::int64_t>(mien::probtalk3d::published_intensities().size()));
   }
   [[nodiscard]] Result<FaceSequence> load(const Performance& from) const {
     FaceSequence s;
@@ -46,6 +48,7 @@ struct Source {
       s.motion.insert(s.motion.end(), frame.begin(), frame.end());
     }
     s.style = style_of(*from.item);
+    s.emotion = from.item->emotion == Emotion::neutral ? 0 : 1;
     if (options.needs_neutral) s.neutral.assign(kNumArkit, 0.0f);
     return s;
   }
@@ -73,11 +76,6 @@ Status check_channels(const CorpusReader& corpus, const std::filesystem::path& f
 
 }  // namespace
 
-bool is_corpus(const std::filesystem::path& folder) {
-  std::error_code ec;
-  return std::filesystem::exists(folder / "corpus.json", ec);
-}
-
 Result<CorpusData> corpus_data(const std::filesystem::path& folder, const std::filesystem::path& validation,
                                CorpusDataOptions options) {
   const auto source = std::make_shared<Source>();
@@ -103,7 +101,15 @@ Result<CorpusData> corpus_data(const std::filesystem::path& folder, const std::f
   const Performance& first = source->train.front();
   if (source->options.sound.encoder && !std::filesystem::exists(first.corpus->audio_path(*first.item)))
     return Error{Errc::incompatible, name, "has no sound", "Build it with --store audio"};
-  CorpusData data{{source->train.size(), source->valid.size(), {}}, source->options.subjects};
+  CorpusData data;
+  data.sequences = {source->train.size(), source->valid.size(), {}};
+  data.subjects = source->options.subjects;
+  data.output = {.space = "arkit",
+                 .channels = static_cast<std::int64_t>(kNumArkit),
+                 .fps = source->options.fps,
+                 .topology = ""};
+  data.description = "{\"layout\": \"corpus\"}";
+  data.licence = "that of the corpus and of the speech encoder";
   data.sequences.load = [source](FaceSequences::Split split, std::size_t index) {
     return source->load((split == FaceSequences::Split::train ? source->train : source->valid).at(index));
   };

@@ -10,6 +10,9 @@
 
 namespace mien {
 
+/// Whether a folder is a corpus that `mien corpus build` wrote (docs/corpus.md).
+bool is_corpus(const std::filesystem::path& folder);
+
 /// Takes of one item, at 60 fps with the 55 channels of arkit_and_head_channels() (52 when stored without the
 /// head).
 struct ItemTakes {

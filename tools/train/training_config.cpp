@@ -1,5 +1,7 @@
 #include "training_config.h"
 
+#include <dlfcn.h>
+
 namespace mien::train {
 namespace {
 
@@ -11,6 +13,14 @@ void read_stage(TomlFile& file, const char* table, StageOptions& stage) {
   file.read(table, "clip_norm", stage.clip_norm);
   file.read(table, "average_decay", stage.average_decay);
   file.read(table, "checkpoint_every", stage.checkpoint_every);
+}
+
+// LibTorch's matrix products go to the BLAS that is installed, which has threads of its own that LibTorch leaves
+// alone. Those of OpenBLAS wait by spinning, so beside other work they cost more than they give.
+void limit_blas_threads(int num_threads) {
+  using SetThreads = void (*)(int);
+  if (const auto set = reinterpret_cast<SetThreads>(dlsym(RTLD_DEFAULT, "openblas_set_num_threads")))
+    set(num_threads);
 }
 
 }  // namespace
@@ -30,6 +40,7 @@ void RunConfig::read(TomlFile& file) {
 
 Status RunConfig::begin() const {
   torch::set_num_threads(num_threads);
+  limit_blas_threads(num_threads);
   std::error_code ec;
   std::filesystem::create_directories(work_folder, ec);
   if (ec) return Error{Errc::failed, work_folder.string(), "cannot be created: " + ec.message(), ""};

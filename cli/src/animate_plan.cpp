@@ -222,23 +222,34 @@ std::vector<Output> AnimatePlan::all_outputs() const {
   return all;
 }
 
-Result<AnimatePlan> plan_animation(const AnimateArguments& a) {
-  AnimatePlan p;
+Result<ModelFile> plan_performer(const AnimateArguments& a, AnimatePlan& p) {
   ModelFile model;
-  bool moves_vertices = false;
-  if (!a.model.empty()) {
+  if (a.model.empty()) {
+    MIEN_TRY(p.model_path, shared_file("default.safetensors", "--model FILE"));
+  } else {
+    p.model_path = a.model;
     MIEN_TRY(model, describe(a.model));
     if (FaceModel::runs(model.architecture)) p.system = AnimatePlan::System::face;
     if (model.architecture == Architecture::said) p.system = AnimatePlan::System::said;
-    moves_vertices = model.output.space == "vertices";
   }
+  const Status directed = direct(a, model, p);
+  if (!directed) return directed.error();
+  Result<ModelFile> result(std::move(model));
+  result.warnings = directed.warnings;
+  return result;
+}
+
+Result<AnimatePlan> plan_animation(const AnimateArguments& a) {
+  AnimatePlan p;
+  const auto planned = plan_performer(a, p);
+  if (!planned) return planned.error();
+  const ModelFile& model = *planned;
+  const bool moves_vertices = model.output.space == "vertices";
   if (!a.vertices.mesh.empty() && !moves_vertices)
     return Error{Errc::usage, "--mesh", "is for models that move vertices",
                  "Leave it out, or pass a face with --character"};
   p.vertices = a.vertices;
   MIEN_TRY([[maybe_unused]] const auto flame, plan_flame(a, model, p));
-  const Status directed = direct(a, model, p);
-  if (!directed) return directed.error();
   const auto size = parse_size(a.size);
   if (!size) return size.error();
   p.pictures = {.width = size->first, .height = size->second, .threads = a.threads};
@@ -249,11 +260,6 @@ Result<AnimatePlan> plan_animation(const AnimateArguments& a) {
   p.pictures.columns = a.columns;
   MIEN_TRY([[maybe_unused]] const auto view, check_view(a.view));
   p.pictures.view = a.view;
-  if (a.model.empty()) {
-    MIEN_TRY(p.model_path, shared_file("default.safetensors", "--model FILE"));
-  } else {
-    p.model_path = a.model;
-  }
   MIEN_TRY(p.character_path, character_path(a.character));
   MIEN_TRY([[maybe_unused]] const auto clips, plan_clips(a, moves_vertices, p));
   Status mesh = Done{};
@@ -261,7 +267,7 @@ Result<AnimatePlan> plan_animation(const AnimateArguments& a) {
   if (!mesh) return mesh.error();
   MIEN_TRY([[maybe_unused]] const auto face, plan_other_face(p));
   Result<AnimatePlan> plan(std::move(p));
-  plan.warnings = directed.warnings;
+  plan.warnings = planned.warnings;
   plan.warnings.insert(plan.warnings.end(), mesh.warnings.begin(), mesh.warnings.end());
   return plan;
 }
@@ -311,11 +317,11 @@ Result<std::vector<std::string>> planned_emotions(const AnimateArguments& a, con
 Status plan_emotion(const AnimateArguments& a, const std::string& emotion, AnimatePlan& p) {
   AnimateArguments other = a;
   other.words.emotion = emotion;
-  ModelFile model;
-  if (!a.model.empty()) {
-    MIEN_TRY(model, describe(a.model));
-  }
-  return direct(other, model, p);
+  const auto planned = plan_performer(other, p);
+  if (!planned) return planned.error();
+  Status status = Done{};
+  status.warnings = planned.warnings;
+  return status;
 }
 
 Status prepare_outputs(AnimatePlan& p, ConsoleProgress& progress) {

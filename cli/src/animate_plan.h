@@ -14,6 +14,7 @@
 #include "mien/core/character.h"
 #include "mien/core/flame_model.h"
 #include "mien/core/mesh.h"
+#include "mien/models/model_file.h"
 #include "outputs.h"
 #include "pictures.h"
 #include "said_director.h"
@@ -73,6 +74,11 @@ struct AnimatePlan {
 
   [[nodiscard]] std::vector<Output> all_outputs() const;
 };
+
+/// Which model performs, and what the words tell it: `system`, `model_path`, and `options`, `face` or `said`.
+/// @return what the file says of a model that is named; nothing for the default one. Warnings: of words.
+/// Errors: Errc::usage; those of reading the model's description.
+Result<ModelFile> plan_performer(const AnimateArguments& arguments, AnimatePlan& plan);
 
 /// Everything that can be wrong with the words is found out here, before the work begins. In an output,
 /// {name} stands for the recording's file name without extension; for several recordings it must be there, or

@@ -1,67 +1,42 @@
 // mien evaluate: the measures of docs/quality.md, on people and on a stored corpus.
 
-#include "director.h"
+#include <CLI/CLI.hpp>
+
+#include "benchmark_files.h"
+#include "benchmark_performer.h"
 #include "evaluate_coefficients.h"
 #include "evaluate_sequences.h"
 #include "evaluate_takes.h"
 #include "mien/audio/load_audio.h"
-#include "mien/base/parallel.h"
 #include "mien/console/console_exit.h"
 #include "mien/metrics/human_report.h"
 #include "mien/metrics/synthetic_benchmark.h"
-#include "mien/models/animate.h"
+#include "mien/models/seeds.h"
 #include "options.h"
 #include "printing.h"
-#include "share.h"
 
 namespace mien {
 namespace {
 
 struct EvaluateArguments {
-  std::string folder, model;
-  DirectionWords words;
+  std::string folder, keep;
+  AnimateArguments performer;  ///< the model, its words and the threads
   int takes = 8, draws = kDefaultDraws;
   std::vector<std::string> only, splits;
   std::int64_t max_items = 0;
   int true_takes = 32;
   TableForm form;
-  int threads = hardware_threads();
 };
 
-Result<DefaultModel> load_model(const EvaluateArguments& a) {
-  if (!a.model.empty()) return DefaultModel::load(a.model);
-  MIEN_TRY(const auto path, shared_file("default.safetensors", "--model FILE"));
-  return DefaultModel::load(path);
-}
-
-// One performance per seed of one recording.
-Result<std::vector<Motion>> perform(const DefaultModel& model, const AudioClip& clip, PerformOptions options,
-                                    std::span<const std::uint64_t> seeds, int threads) {
-  std::vector<std::optional<Result<Motion>>> takes(seeds.size());
-  parallel_for(threads, static_cast<std::int64_t>(seeds.size()), [&](std::int64_t k) {
-    Progress unseen;
-    PerformOptions own = options;
-    own.seed = seeds[static_cast<std::size_t>(k)];
-    takes[static_cast<std::size_t>(k)].emplace(animate(model, clip, own, unseen));
-  });
-  std::vector<Motion> motions;
-  for (auto& take : takes) {
-    if (!*take) return take->error();
-    motions.push_back(std::move(**take));
-  }
-  return motions;
-}
-
 Status evaluate_people(const EvaluateArguments& a, ConsoleProgress& progress) {
-  MIEN_TRY(const PerformOptions options, perform_options(a.words));
-  MIEN_TRY(const DefaultModel model, load_model(a));
+  MIEN_TRY(const auto performer, BenchmarkPerformer::load(a.performer));
   HumanEvaluation evaluation;
   evaluation.load = [](const std::filesystem::path& path) { return load_audio(path); };
   evaluation.only = a.only;
   std::vector<std::uint64_t> seeds;
-  for (int take = 0; take < a.takes; ++take) seeds.push_back(performance_seed(a.words.seed, take));
+  for (int take = 0; take < a.takes; ++take) seeds.push_back(performance_seed(a.performer.words.seed, take));
   evaluation.generate = [&](std::string_view, std::span<const float> samples) {
-    return perform(model, AudioClip{{samples.begin(), samples.end()}}, options, seeds, a.threads);
+    return performer.perform(AudioClip{{samples.begin(), samples.end()}}, seeds);
   };
   const auto report = evaluate_human(a.folder, evaluation, progress);
   if (!report) return report.error();
@@ -69,26 +44,21 @@ Status evaluate_people(const EvaluateArguments& a, ConsoleProgress& progress) {
 }
 
 Status evaluate_corpus(const EvaluateArguments& a, ConsoleProgress& progress) {
-  MIEN_TRY(const PerformOptions options, perform_options(a.words));
-  MIEN_TRY(const DefaultModel model, load_model(a));
+  MIEN_TRY(const auto performer, BenchmarkPerformer::load(a.performer));
   const SyntheticSystem system = [&](const SyntheticRequest& request) -> Result<std::vector<Motion>> {
     MIEN_TRY(const AudioClip clip, load_audio(request.audio));
-    DirectionKey key;
-    if (request.item.emotion != Emotion::neutral)
-      key.intensities[static_cast<std::size_t>(request.item.emotion)] = request.item.intensity();
-    if (const auto style = parse_style(request.item.speaker))
-      key.style = *style;  // else one never seen in training
-    PerformOptions own = options;
-    own.direction = Direction({key});
-    return perform(model, clip, own, request.take_seeds, a.threads);
+    return performer.perform(request.item, clip, request.take_seeds);
   };
   SyntheticOptions how;
   how.samples = a.takes;
   how.true_takes = a.true_takes;
-  how.seed = a.words.seed;
-  how.threads = a.threads;
+  how.seed = a.performer.words.seed;
+  how.threads = a.performer.threads;
   how.splits = a.splits;
   how.max_items = a.max_items;
+  if (!a.keep.empty()) {
+    MIEN_TRY(how.keep, benchmark_files(a.keep));
+  }
   auto report = evaluate_synthetic(a.folder, system, how, progress);
   if (!report) return report.error();
   const std::string name = std::filesystem::weakly_canonical(a.folder).filename().string();
@@ -99,18 +69,19 @@ Status evaluate_corpus(const EvaluateArguments& a, ConsoleProgress& progress) {
 std::shared_ptr<EvaluateArguments> add_common(CLI::App& command, Chosen& chosen) {
   auto a = std::make_shared<EvaluateArguments>();
   command.add_option("FOLDER", a->folder, "Folder of the benchmark")->required();
-  command.add_option("--model", a->model, "Model file (.safetensors). Default: the one that comes with Mien");
-  command.add_option("--seed", a->words.seed, "Seed of the first take")->capture_default_str();
-  command.add_option("--steps", a->words.steps, "Diffusion steps, 1 to 1000")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  command.add_option("--sampler", a->words.sampler, "dpm++, ddim or ddpm")->capture_default_str();
+  command.add_option(
+      "--model", a->performer.model,
+      "Model file (.safetensors) of any system that gives ARKit coefficients. Default: the one "
+      "that comes with Mien");
+  command.add_option("--seed", a->performer.words.seed, "Seed of the first take")->capture_default_str();
+  add_face_options(command, a->performer.words, a->performer.face);
+  add_said_options(command, a->performer.said);
   command
       .add_option("--draws", a->draws, "Bootstrap draws for the 95 % intervals, 0 to 100000; 0: no intervals")
       ->check(CLI::Range(0, 100000))
       ->capture_default_str();
   add_table_options(command, a->form, chosen);
-  add_threads_option(command, a->threads);
+  add_threads_option(command, a->performer.threads);
   return a;
 }
 
@@ -145,7 +116,15 @@ void add_evaluate_command(CLI::App& program, Chosen& chosen) {
   corpus->add_option("--max-items", c->max_items, "Items, evenly spread; 0: all")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
-  add_footer(*corpus, "  mien evaluate corpus build/corpus/test --max-items 40\n");
+  corpus->add_option("--keep", c->keep,
+                     "Folder that gets what was compared: truth/sentenceNN.csv, one take each, "
+                     "takes/sentenceNN-1.csv ... and wav/sentenceNN.wav, for the other evaluations");
+  add_footer(
+      *corpus,
+      "  mien evaluate corpus build/corpus/test --max-items 40\n"
+      "  mien evaluate corpus test --model facexhubert.safetensors --takes 10 --keep kept\n"
+      "  mien evaluate takes kept/takes kept/truth --character default\n"
+      "  mien evaluate coefficients kept/takes kept/truth --speech kept/wav --codec said_vae.safetensors\n");
 
   const auto choose = [&chosen](CLI::App* app, std::shared_ptr<EvaluateArguments> a, auto work) {
     app->callback([&chosen, a, work] {

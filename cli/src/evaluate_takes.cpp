@@ -5,6 +5,7 @@
 #include <numeric>
 #include <optional>
 
+#include "character_source.h"
 #include "metric_row.h"
 #include "mien/base/file.h"
 #include "mien/base/parallel.h"
@@ -12,7 +13,11 @@
 #include "mien/core/flame_parameters.h"
 #include "mien/datasets/sequence_pairs.h"
 #include "mien/face/flame.h"
+#include "mien/face/regions.h"
+#include "mien/face/vertex_sequence.h"
+#include "mien/io/character_file.h"
 #include "mien/io/flame_file.h"
+#include "mien/io/mesh_file.h"
 #include "mien/io/motion_file.h"
 #include "mien/metrics/report.h"
 #include "mien/metrics/take_error.h"
@@ -27,8 +32,11 @@ namespace fs = std::filesystem;
 // What ProbTalk3D models of a face, and so compares: the first expressions and the jaw, without a shape.
 constexpr std::size_t kNumCompared = 50;
 
+constexpr std::string_view kOwnCharacter = "default";
+constexpr float kMillimetres = 1000;  // of a character, which is in metres
+
 struct TakeArguments {
-  std::string predicted, truth, flame, mouth, upper;
+  std::string predicted, truth, flame, character, mouth, upper;
   std::uint64_t seed = 1234;  // as the authors' program
   int threads = hardware_threads();
   bool per_sequence = false;
@@ -46,31 +54,90 @@ Motion compared_parameters(const Motion& motion) {
   return kept;
 }
 
+// What makes vertices of parameters and coefficients, where there is such.
+struct Faces {
+  std::optional<FlameModel> flame;
+  std::optional<FlamePoser> poser;
+  std::optional<Character> character;
+
+  /// The face at rest with so many vertices; empty: unknown.
+  [[nodiscard]] std::vector<float> neutral(std::int64_t num_vertices) const {
+    if (flame && flame->num_vertices == num_vertices) return flame->neutral;
+    std::vector<float> rest;
+    if (character)
+      for (const Vec3& p : merged_mesh(*character).positions)
+        rest.insert(rest.end(), {p.x * kMillimetres, p.y * kMillimetres, p.z * kMillimetres});
+    if (static_cast<std::int64_t>(rest.size()) != 3 * num_vertices) rest.clear();
+    return rest;
+  }
+};
+
+Result<Faces> load_faces(const TakeArguments& a, ConsoleProgress& progress) {
+  Faces faces;
+  if (!a.flame.empty()) {
+    MIEN_TRY(faces.flame, read_flame_model(a.flame));
+    faces.poser.emplace(*faces.flame);
+  }
+  if (!a.character.empty()) {
+    MIEN_TRY(const fs::path path, character_path(a.character == kOwnCharacter ? "" : a.character));
+    auto character = load_character(path);
+    if (!character) return character.error();
+    for (const auto& warning : character.warnings) progress.warn(warning);
+    faces.character = std::move(*character);
+  }
+  return faces;
+}
+
+// The expression of a motion of coefficients: a turned head is no error of the face.
+Motion without_head(const Motion& motion) {
+  Motion face{motion.space, {}, motion.fps, {}};
+  std::vector<std::size_t> kept;
+  for (std::size_t c = 0; c < motion.channels.size(); ++c)
+    if (!motion.channels[c].starts_with("head"))
+      kept.push_back(c), face.channels.push_back(motion.channels[c]);
+  for (std::int64_t n = 0; n < motion.num_frames(); ++n)
+    for (const std::size_t c : kept) face.values.push_back(motion.frame(n)[c]);
+  return face;
+}
+
 class SequenceReader {
  public:
-  SequenceReader(const FlamePoser* poser, int threads) : poser_(poser), threads_(threads) {}
-  /// A file of vertices as it is, one of FLAME parameters through the model.
+  SequenceReader(const Faces& faces, int threads) : faces_(faces), threads_(threads) {}
+  /// A file of vertices as it is, one of FLAME parameters through the model, one of coefficients through the
+  /// character.
   [[nodiscard]] Result<Motion> read(const fs::path& path) const {
     auto motion = read_motion(path, {.fps = 25});
     if (!motion) return motion.error();
     if (motion->space == MotionSpace::vertices) return std::move(*motion);
-    if (motion->space != MotionSpace::flame)
-      return Error{Errc::incompatible, "'" + path.string() + "'",
-                   "holds neither vertices nor FLAME parameters", ""};
-    if (poser_ == nullptr)
+    if (motion->space != MotionSpace::flame) {
+      if (!faces_.character)
+        return Error{Errc::usage, "'" + path.string() + "'", "holds coefficients, which need a character",
+                     "Pass --character default, or a face of your own"};
+      MIEN_TRY(Motion vertices, vertex_sequence(*faces_.character, without_head(*motion), threads_));
+      for (float& v : vertices.values) v *= kMillimetres;
+      return vertices;
+    }
+    if (!faces_.poser)
       return Error{Errc::usage, "'" + path.string() + "'", "holds FLAME parameters, which need a FLAME model",
                    "Pass --flame generic_model.pkl"};
-    return flame_vertices(*poser_, compared_parameters(*motion), threads_);
+    return flame_vertices(*faces_.poser, compared_parameters(*motion), threads_);
   }
 
  private:
-  const FlamePoser* poser_;
+  const Faces& faces_;
   int threads_;
 };
 
-Result<std::vector<std::uint32_t>> read_region_file(const std::string& path, std::int64_t num_vertices,
-                                                    double weight_above) {
-  if (path.empty()) return std::vector<std::uint32_t>();
+// The region of a file, or that of the character; empty: neither.
+Result<std::vector<std::uint32_t>> region_of(const std::string& path, const Faces& faces,
+                                             std::string_view name, std::int64_t num_vertices,
+                                             double weight_above) {
+  if (path.empty()) {
+    std::vector<std::uint32_t> region;
+    if (!faces.character) return region;
+    if (const auto found = find_region(*faces.character, name)) region.assign(found->begin(), found->end());
+    return region;
+  }
   MIEN_TRY(const Bytes bytes, read_file(path));
   auto region = read_region(as_text(bytes), num_vertices, weight_above);
   if (!region) return within(region.error(), "'" + path + "'");
@@ -94,7 +161,7 @@ void add_rows(const VertexErrors& first, const TakeErrors& all, MetricTable& tab
   table.rows.push_back(
       metric_row("FDD", first.fdd(),
                  "mean over sequences of: mean over upper-face vertices of std over frames of |g - t|^2, "
-                 "less that of |p - t|^2; t the FLAME model at rest, first take, signed"));
+                 "less that of |p - t|^2; t the FLAME model or the character at rest, first take, signed"));
   table.rows.push_back(metric_row("MEE", all.mee(), "LVE of the mean of all takes"));
   table.rows.push_back(metric_row("CE", all.ce(), "LVE of the take of every sequence that is nearest by it"));
   table.rows.push_back(
@@ -110,15 +177,12 @@ Status run(const TakeArguments& a, ConsoleProgress& progress) {
     if (!names->empty())
       progress.warn(std::to_string(names->size()) + " " + what + " and are left out, the first is " +
                     names->front());
-  std::optional<FlameModel> flame;
-  std::optional<FlamePoser> poser;
-  if (!a.flame.empty()) {
-    MIEN_TRY(flame, read_flame_model(a.flame));
-    poser.emplace(*flame);
-  }
-  const SequenceReader reader(poser ? &*poser : nullptr, a.threads);
+  MIEN_TRY(const Faces faces, load_faces(a, progress));
+  const SequenceReader reader(faces, a.threads);
   std::optional<VertexErrors> first;
   std::optional<TakeErrors> all;
+  std::vector<float> neutral;
+  bool has_regions = false;
   Rng rng(a.seed);
   progress.stage("sequences", static_cast<std::int64_t>(paired.sequences.size()));
   std::int64_t done = 0;
@@ -131,21 +195,21 @@ Status run(const TakeArguments& a, ConsoleProgress& progress) {
     }
     if (!first) {
       const std::int64_t count = truth.topology.num_vertices;
-      MIEN_TRY(auto mouth, read_region_file(a.mouth, count, kMouthWeightAbove));
-      MIEN_TRY(auto upper, read_region_file(a.upper, count, kUpperWeightAbove));
+      MIEN_TRY(auto mouth, region_of(a.mouth, faces, kLipsRegion, count, kMouthWeightAbove));
+      MIEN_TRY(auto upper, region_of(a.upper, faces, kUpperFaceRegion, count, kUpperWeightAbove));
+      has_regions = !mouth.empty() && !upper.empty();
+      neutral = faces.neutral(count);
       first.emplace(VertexRegions{mouth, std::move(upper)});
       all.emplace(std::move(mouth));
     }
-    const auto neutral = flame && flame->num_vertices == truth.topology.num_vertices
-                             ? std::span<const float>(flame->neutral)
-                             : std::span<const float>();
     MIEN_TRY([[maybe_unused]] const auto one, first->add(sequence.sequence, truth, takes.front(), neutral));
     MIEN_TRY([[maybe_unused]] const auto more,
              all->add(sequence.sequence, truth, takes, shuffled(takes.size(), rng)));
     progress.update(++done);
   }
   MetricTable table{"Takes: " + std::to_string(paired.sequences.size()) + " sequences, " +
-                        std::to_string(first->num_frames()) + " frames; units of the data",
+                        std::to_string(first->num_frames()) + " frames; " +
+                        (a.character.empty() ? "units of the data" : "millimetres"),
                     {"value"},
                     {},
                     {}};
@@ -156,8 +220,9 @@ Status run(const TakeArguments& a, ConsoleProgress& progress) {
       table.rows.push_back(metric_row("CE " + e.name, e.ce, "of this sequence"));
       table.rows.push_back(metric_row("Diversity " + e.name, e.diversity, "of this sequence"));
     }
-  if (a.mouth.empty() || a.upper.empty())
-    table.notes.emplace_back("LVE, MEE and CE need --mouth, FDD needs --upper and --flame");
+  if (!has_regions)
+    table.notes.emplace_back(
+        "LVE, MEE and CE need --mouth, FDD needs --upper and --flame, or --character with these regions");
   return print(table, a.form, true);
 }
 
@@ -174,6 +239,10 @@ void add_take_evaluation(CLI::App& evaluate, Chosen& chosen) {
       ->required();
   command->add_option("TRUTH", a->truth, "Folder of true sequences")->required();
   command->add_option("--flame", a->flame, "FLAME model for files of parameters: generic_model.pkl or .npz");
+  command->add_option(
+      "--character", a->character,
+      "Face for files of coefficients, without the turning of the head: 'default' for Mien's "
+      "head, else a file (.glb .gltf .vrm .safetensors). Its regions serve where none is named");
   command->add_option("--mouth", a->mouth, "Region file of the lips");
   command->add_option("--upper", a->upper, "Region file of the upper face");
   command->add_option("--seed", a->seed, "Decides which takes are paired for the diversity")
@@ -183,7 +252,8 @@ void add_take_evaluation(CLI::App& evaluate, Chosen& chosen) {
   add_threads_option(*command, a->threads);
   add_footer(*command,
              "  mien evaluate takes result 3DMEAD/param --flame generic_model.pkl --mouth lve.txt --upper "
-             "fdd.txt\n");
+             "fdd.txt\n"
+             "  mien evaluate takes kept/takes kept/truth --character default\n");
   command->callback([a, &chosen] {
     a->form.json = chosen.json;
     chosen.work = [a](ConsoleProgress& progress) { return run(*a, progress); };

@@ -80,6 +80,10 @@ Result<ScoredItem> run_item(const CorpusReader& corpus, const CorpusItem& item, 
     seeds.push_back(hash_combine(hash_combine(options.seed, hash64(item.id)), static_cast<std::uint64_t>(k)));
   MIEN_TRY(const std::vector<Motion> samples,
            generate(system, {item, corpus.audio_path(item), seeds}, truth.held_out.num_frames()));
+  if (options.keep) {
+    MIEN_TRY([[maybe_unused]] const auto kept,
+             options.keep({item, corpus.audio_path(item), samples, truth.held_out}));
+  }
   ScoredItem out;
   out.score = score_item(truth, samples);
   out.training = training_material(truth, corpus.info().seed, options.threads);

@@ -97,6 +97,14 @@ struct SyntheticRequest {
 /// differs from the item's by up to 6 frames is cut or held to it.
 using SyntheticSystem = std::function<Result<std::vector<Motion>>(const SyntheticRequest&)>;
 
+/// What was compared on one item, for who wants to keep it.
+struct SyntheticPerformances {
+  const CorpusItem& item;
+  std::filesystem::path audio;
+  std::span<const Motion> generated;  ///< with the length of the truth
+  const Motion& truth;                ///< one take that no figure's mean was made from
+};
+
 struct SyntheticOptions {
   int samples = 8;  ///< K generated takes an item, at least 2
   int true_takes =
@@ -105,6 +113,8 @@ struct SyntheticOptions {
   int threads = 1;                  ///< for drawing true takes; the result does not depend on it
   std::vector<std::string> splits;  ///< use items of these splits; all when empty
   std::int64_t max_items = 0;       ///< evenly spread over the corpus; 0 = all
+  /// Called for every item in their order; none: nothing is kept. Its error ends the evaluation.
+  std::function<Status(const SyntheticPerformances&)> keep{};
 };
 
 struct SyntheticReport {

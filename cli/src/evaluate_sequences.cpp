@@ -11,6 +11,7 @@
 #include "metric_row.h"
 #include "mien/base/file.h"
 #include "mien/base/parallel.h"
+#include "mien/core/arkit.h"
 #include "mien/datasets/dataset.h"
 #include "mien/datasets/sequence_pairs.h"
 #include "mien/io/mapped_file.h"
@@ -199,6 +200,25 @@ Status evaluate_vertices(const SequenceArguments& a, ConsoleProgress& progress) 
   return print(table, a.form, true);
 }
 
+// A sequence of BEAT's coefficients or UUDaMM's controls. Where the file names ARKit's coefficients, BEAT's
+// 51 are gathered by name.
+Result<Motion> read_controls(const fs::path& path, const std::string& system, std::int64_t width) {
+  MIEN_TRY(Motion motion, read_motion(path, {.fps = 30}));
+  if (motion.num_channels() == width) return motion;
+  Motion gathered{MotionSpace::arkit, arkit_order(ArkitOrder::beat), motion.fps, {}};
+  std::vector<std::size_t> from;
+  for (const auto& name : gathered.channels)
+    if (const auto found = motion.find(name)) from.push_back(static_cast<std::size_t>(*found));
+  if (system != "beat" || from.size() != gathered.channels.size())
+    return Error{Errc::incompatible, "'" + path.string() + "'",
+                 "has " + std::to_string(motion.num_channels()) + " channels, " + system + " has " +
+                     std::to_string(width),
+                 ""};
+  for (std::int64_t n = 0; n < motion.num_frames(); ++n)
+    for (const std::size_t c : from) gathered.values.push_back(motion.frame(n)[c]);
+  return gathered;
+}
+
 Status evaluate_controls(const SequenceArguments& a, ConsoleProgress& progress) {
   MIEN_TRY(const PairedSequences paired,
            pair_sequences(a.predicted, a.truth, a.system == "uudamm" ? PairRule::uudamm : PairRule::beat));
@@ -209,13 +229,8 @@ Status evaluate_controls(const SequenceArguments& a, ConsoleProgress& progress) 
   progress.stage("sequences", static_cast<std::int64_t>(paired.pairs.size()));
   for (const auto& pair : paired.pairs) {
     if (progress.cancelled()) return Error{Errc::cancelled, "", "interrupted", ""};
-    MIEN_TRY(const Motion truth, read_motion(pair.truth, {.fps = 30}));
-    MIEN_TRY(const Motion predicted, read_motion(pair.predicted, {.fps = 30}));
-    if (truth.num_channels() != width)
-      return Error{Errc::incompatible, "'" + pair.truth.string() + "'",
-                   "has " + std::to_string(truth.num_channels()) + " channels, " + a.system + " has " +
-                       std::to_string(width),
-                   ""};
+    MIEN_TRY(const Motion truth, read_controls(pair.truth, a.system, width));
+    MIEN_TRY(const Motion predicted, read_controls(pair.predicted, a.system, width));
     MIEN_TRY([[maybe_unused]] const auto added, errors.add(pair.predicted.stem().string(), truth, predicted));
     progress.update(static_cast<std::int64_t>(errors.sequences().size()));
   }
@@ -283,7 +298,9 @@ void add_sequence_evaluations(CLI::App& evaluate, Chosen& chosen) {
   controls->add_option("--system", c->system, "Whose channels and regions: beat or uudamm")
       ->check(CLI::IsMember({"beat", "uudamm"}))
       ->capture_default_str();
-  add_footer(*controls, "  mien evaluate controls result data/BEAT/vertices_npy --system beat\n");
+  add_footer(*controls,
+             "  mien evaluate controls result data/BEAT/vertices_npy --system beat\n"
+             "  mien evaluate controls kept/takes kept/truth\n");
   const auto choose = [&chosen](CLI::App* app, std::shared_ptr<SequenceArguments> a, auto work) {
     app->callback([&chosen, a, work] {
       a->form.json = chosen.json;

@@ -157,18 +157,25 @@ TEST_F(ProgramTest, EvaluateMeasuresPublishedModelsAndKeepsWhatItCompared) {
   ASSERT_TRUE(truth && take);
   EXPECT_EQ(take->num_frames(), truth->num_frames());
 
-  const auto faces =
-      mien({"evaluate", "takes", "kept/takes", "kept/truth", "--character", "default", "--json"});
+  const auto faces = mien(
+      {"evaluate", "takes", "kept/takes", "kept/truth", "--character", "default", "--surface", "--json"});
   ASSERT_EQ(faces.exit_code, 0) << faces.err;
   const auto table = nlohmann::json::parse(faces.out);
   std::map<std::string, double> values;
   for (const auto& row : table.at("rows")) values[row.at("name")] = row.at("values").at(0).at("value");
   EXPECT_GT(values.at("MVE"), 0.01) << "millimetres";
+  EXPECT_GT(values.at("surface distance"), 0.001);
+  EXPECT_LT(values.at("surface distance"), values.at("MVE"))
+      << "a vertex is not nearer to its place than to the surface";
   EXPECT_GT(values.at("LVE"), values.at("CE")) << "the nearest of two takes is nearer than the first";
   const auto same = mien({"evaluate", "takes", "kept/truth", "kept/truth", "--character", "default"});
   ASSERT_EQ(same.exit_code, 0) << same.err;
   EXPECT_THAT(same.out, testing::ContainsRegex("MVE +0.0000"));
   EXPECT_EQ(mien({"evaluate", "takes", "kept/takes", "kept/truth"}).exit_code, 2) << "coefficients alone";
+
+  const auto controls = mien({"evaluate", "controls", "kept/takes", "kept/truth"});
+  ASSERT_EQ(controls.exit_code, 0) << controls.err;
+  EXPECT_THAT(controls.out, HasSubstr("4 sequences")) << "two takes of two items";
 
   words[4] = "mesh.safetensors";
   words.back() = "other";

@@ -39,11 +39,28 @@ std::size_t find_condition(const std::string& stem) {
   return small != std::string::npos ? small : stem.find("_Condition_");
 }
 
+bool is_number(std::string_view text) {
+  return !text.empty() && text.size() < 10 &&
+         std::all_of(text.begin(), text.end(), [](unsigned char c) { return std::isdigit(c) != 0; });
+}
+
+// "name(3)" and "name-3": the name, and 3. Without a number, 0.
+std::pair<std::string, int> name_and_take(const std::string& stem) {
+  const auto open = stem.rfind('('), dash = stem.rfind('-');
+  if (stem.ends_with(')') && open != std::string::npos && open > 0)
+    if (const std::string number = stem.substr(open + 1, stem.size() - open - 2); is_number(number))
+      return {stem.substr(0, open), std::stoi(number)};
+  if (dash != std::string::npos && dash > 0)
+    if (const std::string number = stem.substr(dash + 1); is_number(number))
+      return {stem.substr(0, dash), std::stoi(number)};
+  return {stem, 0};
+}
+
 PredictedSequence parse(const fs::path& path, PairRule rule, const std::set<std::string>& subjects) {
   const std::string stem = path.stem().string();
   PredictedSequence own;
   own.predicted = path;
-  own.sequence = rule == PairRule::beat     ? first_fields(stem, 3)
+  own.sequence = rule == PairRule::beat     ? first_fields(name_and_take(stem).first, 3)
                  : rule == PairRule::uudamm ? first_fields(stem, 2)
                                             : stem;
   if (rule == PairRule::vertices) {
@@ -120,27 +137,6 @@ Result<PairedSequences> pair_sequences(const fs::path& predicted, const fs::path
                  "Predictions are called as the truth, or <truth>_condition_<subject>"};
   return result;
 }
-
-namespace {
-
-bool is_number(std::string_view text) {
-  return !text.empty() && text.size() < 10 &&
-         std::all_of(text.begin(), text.end(), [](unsigned char c) { return std::isdigit(c) != 0; });
-}
-
-// "name(3)" and "name-3": the name, and 3. Without a number, 0.
-std::pair<std::string, int> name_and_take(const std::string& stem) {
-  const auto open = stem.rfind('('), dash = stem.rfind('-');
-  if (stem.ends_with(')') && open != std::string::npos && open > 0)
-    if (const std::string number = stem.substr(open + 1, stem.size() - open - 2); is_number(number))
-      return {stem.substr(0, open), std::stoi(number)};
-  if (dash != std::string::npos && dash > 0)
-    if (const std::string number = stem.substr(dash + 1); is_number(number))
-      return {stem.substr(0, dash), std::stoi(number)};
-  return {stem, 0};
-}
-
-}  // namespace
 
 Result<PairedTakes> pair_takes(const fs::path& predicted, const fs::path& truth) {
   MIEN_TRY(const auto predictions, motion_files(predicted));

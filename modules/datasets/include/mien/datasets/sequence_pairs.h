@@ -11,7 +11,7 @@ namespace mien {
 /// How a prediction's file name tells its sequence (FaceDiffuser specification, sections 9 and 13).
 enum class PairRule {
   vertices,  ///< <sequence>, or <sequence>_condition_<subject>, with _1 ... _k for several samples
-  beat,      ///< the first three fields between underscores
+  beat,      ///< the first three fields between underscores, with "(n)" or "-n" for several takes
   uudamm,    ///< the first two
 };
 

@@ -24,15 +24,29 @@ class SeamMeasure {
   /// old motion cannot be smoother than that.
   void add(const Motion& take, FrameRange stretch) {
     for (const std::int64_t n : {stretch.first - 1, stretch.first, stretch.end - 1, stretch.end})
-      ratios_.push_back(acceleration(take, n) / std::max(usual_, acceleration(motion_, n)));
+      ratios_.push_back(ratio_at(take, n));
+    constexpr std::int64_t kBehind = 7;
+    const std::int64_t reach = std::min(kBehind, (stretch.end - stretch.first) / 2 - 1);
+    for (std::int64_t i = 1; i <= reach; ++i)
+      for (const std::int64_t n : {stretch.first + i, stretch.end - 1 - i})
+        behind_.push_back(ratio_at(take, n));
   }
+  /// The same of the seven frames behind each join: what is taken from a join must not come back there.
+  [[nodiscard]] std::ptrdiff_t num_above_behind() const { return count_above(behind_); }
+  [[nodiscard]] std::ptrdiff_t size_behind() const { return std::ssize(behind_); }
   [[nodiscard]] double ratio(double share) const { return percentile(ratios_, share); }
-  [[nodiscard]] std::ptrdiff_t num_above() const {
-    return std::count_if(ratios_.begin(), ratios_.end(), [](double r) { return r > 1; });
-  }
+  [[nodiscard]] std::ptrdiff_t num_above() const { return count_above(ratios_); }
   [[nodiscard]] std::ptrdiff_t size() const { return std::ssize(ratios_); }
 
  private:
+  static std::ptrdiff_t count_above(const std::vector<double>& ratios) {
+    return std::count_if(ratios.begin(), ratios.end(), [](double r) { return r > 1; });
+  }
+  // The resolution of float32 counts as still.
+  [[nodiscard]] double ratio_at(const Motion& take, std::int64_t n) const {
+    constexpr double kStill = 1e-6;
+    return acceleration(take, n) / std::max({usual_, acceleration(motion_, n), kStill});
+  }
   static double percentile(std::vector<double> values, double share) {
     const auto at = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
     std::nth_element(values.begin(), values.begin() + at, values.end());
@@ -53,7 +67,7 @@ class SeamMeasure {
   const Motion& motion_;
   std::vector<std::size_t> channels_;
   double usual_ = 0;
-  std::vector<double> ratios_;
+  std::vector<double> ratios_, behind_;
 };
 
 }  // namespace mien

@@ -3,13 +3,19 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "join_ease.h"
 #include "mien/base/contract.h"
+#include "usual_acceleration.h"
 
 namespace mien {
 namespace {
+
+bool is_gaze(const Motion& motion, std::size_t c) {
+  return motion.space != MotionSpace::vertices && motion.channels[c].starts_with("eyeLook");
+}
 
 // The longest fade of a channel, in seconds: lips must soon be where the speech has them, the head may take
 // its time.
@@ -22,18 +28,9 @@ double longest_fade(const Motion& motion, std::size_t c) {
   return name.starts_with("eye") ? 0.3 : kUsual;
 }
 
-// The 95th percentile of a channel's second differences in the motion that is edited.
-double usual_acceleration(const KeptValues& kept, std::int64_t c) {
-  std::vector<double> all;
-  for (std::int64_t n = 1; n + 1 < kept.num_frames(); ++n)
-    all.push_back(std::abs(static_cast<double>(kept.value(n - 1, c)) -
-                           2 * static_cast<double>(kept.value(n, c)) +
-                           static_cast<double>(kept.value(n + 1, c))));
-  if (all.empty()) return 0;
-  const auto at = static_cast<std::ptrdiff_t>(0.95 * static_cast<double>(all.size() - 1));
-  std::nth_element(all.begin(), all.begin() + at, all.end());
-  return all[static_cast<std::size_t>(at)];
-}
+// Seconds from a join within which easing moves frames, as long as that is enough; and within which lips need
+// not meet where the model closes them.
+constexpr double kEaseNear = 0.12, kContactGivesWay = 0.05;
 
 // Quintics on 0 ... 1 with all values, slopes and accelerations zero at both ends but one: H0(0) = 1, H1'(0)
 // = 1.
@@ -51,14 +48,15 @@ double fade_length(double value, double slope, double limit) {
 // Leads one channel of `made` away from its kept frames.
 class ChannelJoin {
  public:
-  ChannelJoin(const KeptValues& kept, const Motion& made, std::int64_t c)
+  ChannelJoin(const KeptValues& kept, const UsualAcceleration& usual, const Motion& made, std::int64_t c)
       : kept_(kept),
+        usual_(usual),
         made_(made),
         c_(c),
-        is_gaze_(made.space != MotionSpace::vertices &&
-                 made.channels[static_cast<std::size_t>(c)].starts_with("eyeLook")),
-        usual_(usual_acceleration(kept, c)),
-        limit_(kShare * usual_),
+        is_gaze_(is_gaze(made, static_cast<std::size_t>(c))),
+        is_coefficient_(made.space == MotionSpace::arkit &&
+                        !made.channels[static_cast<std::size_t>(c)].starts_with("head")),
+        limit_(kShare * usual.of_channel(c)),
         longest_(longest_fade(made, static_cast<std::size_t>(c)) * made.fps) {}
 
   // What to add to what was made in the free frames first ... end - 1, of which those around are kept.
@@ -74,35 +72,73 @@ class ChannelJoin {
     return sum;
   }
 
-  // Eases the joins of a free stretch of `joined`, of which everything else is final.
-  void ease(std::int64_t first, std::int64_t end, Motion& joined) const {
-    const auto reach =
-        std::min(static_cast<std::int64_t>(std::lround(kEase * joined.fps)), (end - first) / 2 - 2);
-    if (usual_ <= 0 || reach < 2) return;
-    if (first >= 2 && kept_.keeps(first - 2, c_)) ease_from(first - 1, 1, reach, joined);
-    if (end + 1 < kept_.num_frames() && kept_.keeps(end + 1, c_)) ease_from(end, -1, reach, joined);
+  // Eases the joins of a free stretch of `joined`, of which everything else is final. Frames up to `near`
+  // seconds from a join move, up to `far` where that is not enough.
+  void ease(std::int64_t first, std::int64_t end, double near, double far, Motion& joined) const {
+    constexpr std::int64_t kLeast = 2;  // frames on either side of a join decide its accelerations
+    const std::int64_t half = (end - first) / 2;
+    if (half < kLeast) return;
+    const auto frames = [&](double seconds) {
+      return std::clamp(static_cast<std::int64_t>(std::lround(seconds * joined.fps)), kLeast,
+                        std::max(half - 2, kLeast));
+    };
+    const auto ease_from = [&](std::int64_t join, std::int64_t step) {
+      std::vector<double> before, best;
+      double least = std::numeric_limits<double>::infinity();
+      for (std::int64_t reach = frames(near);; reach = std::min(2 * reach, frames(far))) {
+        std::vector<double> eased = beside(join, step, reach, joined), now = eased;
+        if (const double excess = ease_beside(join, step, eased); excess < least)
+          least = excess, best = std::move(eased), before = std::move(now);
+        if (least <= 0 || reach >= frames(far)) break;
+      }
+      // Adding the change keeps the bits of what did not move.
+      for (std::size_t i = 2; i + 2 < best.size(); ++i) {
+        float& v = at(join, step, i, joined);
+        v = static_cast<float>(static_cast<double>(v) + (best[i] - before[i]));
+      }
+    };
+    if (first >= 2 && kept_.keeps(first - 2, c_)) ease_from(first - 1, 1);
+    if (end + 1 < kept_.num_frames() && kept_.keeps(end + 1, c_)) ease_from(end, -1);
+  }
+
+  void keep_in_range(std::int64_t first, std::int64_t end, Motion& joined) const {
+    for (std::int64_t n = first; n < end; ++n) {
+      float& v = joined.frame(n)[static_cast<std::size_t>(c_)];
+      v = static_cast<float>(std::clamp(static_cast<double>(v), low(n), high(n)));
+    }
   }
 
  private:
-  // From the kept frame `join` on, in the direction of what was made.
-  void ease_from(std::int64_t join, std::int64_t step, std::int64_t reach, Motion& joined) const {
-    const auto at = [&](std::int64_t i) -> float& {
-      return joined.frame(join + step * (i - 1))[static_cast<std::size_t>(c_)];
-    };
-    std::vector<double> values(static_cast<std::size_t>(reach + 4));
-    for (std::int64_t i = 0; i < reach + 4; ++i)
-      values[static_cast<std::size_t>(i)] = i < 2 ? kept(join + step * (i - 1)) : static_cast<double>(at(i));
-    const auto before = values;
-    // A join within what is rough in the motion itself need not be smoother than that.
-    const auto limit_at = [&](std::int64_t n) {
-      const bool has_both = n > 0 && n + 1 < kept_.num_frames();
-      return std::max(usual_, has_both ? std::abs(kept(n - 1) - 2 * kept(n) + kept(n + 1)) : 0.0);
-    };
-    ease_join(values, kEaseShare * limit_at(join), kEaseShare * limit_at(join + step), kEaseShare * usual_);
-    for (std::int64_t i = 2; i < reach + 2; ++i) {
-      const double change = values[static_cast<std::size_t>(i)] - before[static_cast<std::size_t>(i)];
-      at(i) = static_cast<float>(static_cast<double>(at(i)) + change);
+  // Of frame n: 0 ... 1 for coefficients, farther where the model or the motion itself goes there.
+  [[nodiscard]] double low(std::int64_t n) const {
+    return is_coefficient_ ? std::min({made(n), kept(n), 0.0}) : -kNone;
+  }
+  [[nodiscard]] double high(std::int64_t n) const {
+    return is_coefficient_ ? std::max({made(n), kept(n), 1.0}) : kNone;
+  }
+  // The value i of those beside a join: 1 is the last kept one.
+  float& at(std::int64_t join, std::int64_t step, std::size_t i, Motion& joined) const {
+    return joined.frame(join + step * (static_cast<std::int64_t>(i) - 1))[static_cast<std::size_t>(c_)];
+  }
+  // Two kept values, `reach` that may move and two behind them, from the join on in the direction of what was
+  // made.
+  std::vector<double> beside(std::int64_t join, std::int64_t step, std::int64_t reach, Motion& joined) const {
+    std::vector<double> values = {kept(join - step), kept(join)};
+    while (std::ssize(values) < reach + 4)
+      values.push_back(static_cast<double>(at(join, step, values.size(), joined)));
+    return values;
+  }
+  double ease_beside(std::int64_t join, std::int64_t step, std::vector<double>& values) const {
+    std::vector<double> lows, highs;
+    for (std::int64_t i = 0; i < std::ssize(values); ++i) {
+      lows.push_back(low(join + step * (i - 1)));
+      highs.push_back(high(join + step * (i - 1)));
     }
+    return ease_join(values, {.at_kept = usual_.limit(join, c_),
+                              .at_free = usual_.limit(join + step, c_),
+                              .elsewhere = kEaseShare * usual_.of_channel(c_),
+                              .low = lows,
+                              .high = highs});
   }
   [[nodiscard]] double made(std::int64_t n) const {
     return static_cast<double>(made_.frame(n)[static_cast<std::size_t>(c_)]);
@@ -130,16 +166,16 @@ class ChannelJoin {
   }
 
   const KeptValues& kept_;
+  const UsualAcceleration& usual_;
   const Motion& made_;
   std::int64_t c_;
   // What is made has accelerations of its own: a fade may add half of what is usual.
   static constexpr double kShare = 0.5, kShortest = 3;
   static constexpr double kGazeHold = 0.1, kGazeLeap = 0.08;  // seconds
-  static constexpr double kEase = 0.12;                       // seconds that easing may move
-  // Of a channel's usual acceleration: several channels at their limit together are rougher than usual.
-  static constexpr double kEaseShare = 0.7;
-  bool is_gaze_;
-  double usual_, limit_, longest_;  // a frame squared twice; frames
+  static constexpr double kEaseShare = 0.7;  // of a channel's usual acceleration, behind a join
+  static constexpr double kNone = std::numeric_limits<double>::infinity();
+  bool is_gaze_, is_coefficient_;
+  double limit_, longest_;  // a frame squared; frames
 };
 
 double smooth(double u) {
@@ -150,7 +186,7 @@ double smooth(double u) {
 // Keeps lips closed where the model closes them.
 class Contact {
  public:
-  explicit Contact(const Motion& motion) : give_way_(0.05 * motion.fps) {
+  explicit Contact(const Motion& motion) : give_way_(kContactGivesWay * motion.fps) {
     if (motion.space != MotionSpace::arkit) return;
     jaw_ = motion.find("jawOpen");
     close_ = motion.find("mouthClose");
@@ -221,16 +257,21 @@ class Contact {
 
 double join_roughness(const KeptValues& kept, const Motion& joined, FrameRange stretch) {
   constexpr std::int64_t kAround = 3;  // frames to either side of a join
+  // What is made is eased farther, and shows there how far it was from what is kept. Eyes leap there anyway.
+  const auto behind = std::max(kAround, static_cast<std::int64_t>(std::lround(kEaseNear * joined.fps)) + 2);
+  const UsualAcceleration usual(kept, joined);
   double sum = 0;
   for (std::int64_t c = 0; c < kept.num_channels(); ++c) {
-    const double usual = std::max(usual_acceleration(kept, c), 1e-4);
-    for (const std::int64_t join : {stretch.first, stretch.end})
-      for (std::int64_t n = std::max<std::int64_t>(join - kAround, 1);
-           n < std::min(join + kAround, kept.num_frames() - 1) && join > 0 && join < kept.num_frames(); ++n) {
+    const double unit = std::max(usual.of_channel(c), 1e-4);
+    const std::int64_t inside = is_gaze(joined, static_cast<std::size_t>(c)) ? kAround : behind;
+    for (const auto& [join, before, after] :
+         {std::array{stretch.first, kAround, inside}, std::array{stretch.end, inside, kAround}})
+      for (std::int64_t n = std::max<std::int64_t>(join - before, 1);
+           n < std::min(join + after, kept.num_frames() - 1) && join > 0 && join < kept.num_frames(); ++n) {
         const auto value = [&](std::int64_t at) {
           return static_cast<double>(joined.frame(at)[static_cast<std::size_t>(c)]);
         };
-        const double ratio = (value(n - 1) - 2 * value(n) + value(n + 1)) / usual;
+        const double ratio = (value(n - 1) - 2 * value(n) + value(n + 1)) / unit;
         sum += ratio * ratio;
       }
   }
@@ -241,34 +282,35 @@ void join_kept(const KeptValues& kept, Motion& made) {
   const std::int64_t num_frames = kept.num_frames(), width = kept.num_channels();
   contract(made.num_frames() == num_frames && made.num_channels() == width, "join_kept: sizes disagree");
   Motion joined = made;
-  for (std::int64_t c = 0; c < width; ++c) {
-    const ChannelJoin channel(kept, made, c);
-    for (std::int64_t first = 0; first < num_frames;) {
-      if (kept.keeps(first, c)) {
-        ++first;
-        continue;
+  const UsualAcceleration usual(kept, made);
+  const auto each_stretch = [&](const auto& work) {
+    for (std::int64_t c = 0; c < width; ++c) {
+      const ChannelJoin channel(kept, usual, made, c);
+      for (std::int64_t first = 0, end = 0; first < num_frames; first = end) {
+        end = first + 1;
+        if (kept.keeps(first, c)) continue;
+        while (end < num_frames && !kept.keeps(end, c)) ++end;
+        work(channel, static_cast<std::size_t>(c), first, end);
       }
-      std::int64_t end = first;
-      while (end < num_frames && !kept.keeps(end, c)) ++end;
-      const std::vector<double> corrections = channel.corrections(first, end);
-      for (std::int64_t n = first; n < end; ++n) {
-        float& v = joined.frame(n)[static_cast<std::size_t>(c)];
-        v = static_cast<float>(static_cast<double>(v) + corrections[static_cast<std::size_t>(n - first)]);
-      }
-      channel.ease(first, end, joined);
-      const bool is_coefficient =
-          made.space == MotionSpace::arkit && !made.channels[static_cast<std::size_t>(c)].starts_with("head");
-      for (std::int64_t n = first; n < end && is_coefficient; ++n) {
-        const float own = made.frame(n)[static_cast<std::size_t>(c)];
-        float& v = joined.frame(n)[static_cast<std::size_t>(c)];
-        v = std::clamp(v, std::min(own, 0.0f), std::max(own, 1.0f));
-      }
-      first = end;
     }
-  }
+  };
+  each_stretch([&](const ChannelJoin& channel, std::size_t c, std::int64_t first, std::int64_t end) {
+    const std::vector<double> corrections = channel.corrections(first, end);
+    for (std::int64_t n = first; n < end; ++n) {
+      float& v = joined.frame(n)[c];
+      v = static_cast<float>(static_cast<double>(v) + corrections[static_cast<std::size_t>(n - first)]);
+    }
+    channel.ease(first, end, kEaseNear, longest_fade(made, c), joined);
+    channel.keep_in_range(first, end, joined);
+  });
   // The kept frames first: contact looks at a kept jaw or mouthClose.
   for (std::int64_t n = 0; n < num_frames; ++n) kept.paste(n, joined.frame(n));
   Contact(made).apply(kept, made, joined);
+  // Where contact moves what is beside a join, it gives way.
+  each_stretch([&](const ChannelJoin& channel, std::size_t, std::int64_t first, std::int64_t end) {
+    channel.ease(first, end, kContactGivesWay, kContactGivesWay, joined);
+    channel.keep_in_range(first, end, joined);
+  });
   made = std::move(joined);
 }
 

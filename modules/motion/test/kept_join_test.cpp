@@ -2,8 +2,11 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
+
+#include "mien/base/random.h"
 
 namespace mien {
 namespace {
@@ -67,6 +70,93 @@ TEST(JoinKept, EasesWhatIsRoughBesideAJoin) {
   for (const std::int64_t n : {39, 40, 79, 80}) EXPECT_LT(acceleration(made, n), 0.001) << n;
   for (std::int64_t n = 40; n < 80; ++n) EXPECT_LT(acceleration(made, n), 0.041) << n;
   for (std::int64_t n = 47; n < 73; ++n) EXPECT_EQ(at(made, n), static_cast<float>(slow(n))) << n;
+}
+
+// Length of the second difference of some channels.
+double acceleration_of(const Motion& motion, std::int64_t n, std::span<const std::size_t> channels) {
+  double sum = 0;
+  for (const std::size_t c : channels) sum += std::pow(acceleration(motion, n, c), 2);
+  return std::sqrt(sum);
+}
+
+// Joins of a part of the face are within its 95th percentile, or as rough as the motion was there, whatever
+// is made, of any length and at any rate; coefficients stay in 0 ... 1.
+TEST(JoinKept, JoinsAreWithinTheMotionsOwnAccelerations) {
+  const std::vector<std::vector<std::string>> parts = {{"jawOpen", "mouthClose", "mouthSmileLeft"},
+                                                       {"eyeBlinkLeft", "browInnerUp"},
+                                                       {"eyeLookUpLeft", "eyeLookInLeft"},
+                                                       {"headYaw", "headPitch"}};
+  Rng rng(11);
+  int num_joins = 0, num_at_limit = 0;
+  for (int round = 0; round < 60; ++round) {
+    const bool is_mesh = round % 3 == 2;
+    std::vector<std::pair<std::string, Curve>> old_curves, new_curves;
+    std::vector<std::vector<std::size_t>> members;
+    for (const auto& names : parts) {
+      if (!is_mesh || members.empty()) members.emplace_back();
+      for (const std::string& name : names) {
+        members.back().push_back(old_curves.size());
+        const auto curve = [&](double noise) {
+          std::vector<double> values;
+          const double speed = rng.uniform(0.05, 0.3), phase = rng.uniform(0, 6);
+          for (int n = 0; n < 120; ++n)
+            values.push_back(
+                std::clamp(0.5 + 0.6 * std::sin(speed * n + phase) + rng.normal(0, noise), 0.0, 1.0));
+          return [values](std::int64_t n) { return values[static_cast<std::size_t>(n)]; };
+        };
+        // Some channels are still, as lids that do not blink.
+        const bool is_still = rng.chance(0.2);
+        old_curves.emplace_back(name, is_still ? Curve([](std::int64_t) { return 0.0; }) : curve(0.002));
+        new_curves.emplace_back(name, curve(0.05));
+      }
+    }
+    const MotionSpace space = is_mesh ? MotionSpace::vertices : MotionSpace::arkit;
+    Motion motion = motion_of(old_curves, 120, space), made = motion_of(new_curves, 120, space);
+    if (is_mesh) motion.channels.clear(), made.channels.clear();
+    motion.fps = made.fps = round % 2 == 0 ? 60 : 25;
+    if (is_mesh) motion.topology.num_vertices = made.topology.num_vertices = 3;
+    const auto length = static_cast<std::int64_t>(4 + rng.below(40));
+    const auto first = static_cast<std::int64_t>(2 + rng.below(static_cast<std::uint64_t>(116 - length)));
+    join_kept(outside(motion, first, first + length), made);
+    for (const auto& channels : members) {
+      std::vector<double> all;
+      for (std::int64_t n = 1; n < 119; ++n) all.push_back(acceleration_of(motion, n, channels));
+      auto sorted = all;
+      std::ranges::sort(sorted);
+      const double usual = sorted[static_cast<std::size_t>(0.95 * 117)];
+      for (const std::int64_t n : {first - 1, first, first + length - 1, first + length}) {
+        ++num_joins;
+        const double limit = std::max(usual, all[static_cast<std::size_t>(n - 1)]);
+        EXPECT_LE(acceleration_of(made, n, channels), limit + 5e-7)
+            << "round " << round << " frame " << n << " of " << first << "-" << first + length;
+        num_at_limit += acceleration_of(made, n, channels) > 0.8 * limit;
+      }
+    }
+    for (std::int64_t n = 0; n < 120; ++n)
+      for (std::size_t c = 0; c < old_curves.size(); ++c) {
+        const bool is_kept = n < first || n >= first + length;
+        if (is_kept) {
+          EXPECT_EQ(made.frame(n)[c], motion.frame(n)[c]);
+        }
+        if (!is_mesh && !old_curves[c].first.starts_with("head")) {
+          EXPECT_GE(made.frame(n)[c], 0);
+          EXPECT_LE(made.frame(n)[c], 1);
+        }
+      }
+  }
+  EXPECT_GT(num_at_limit, num_joins / 4) << "what is made is rough: many joins are held at their limit";
+}
+
+// Nothing accelerates in the motion: two frames go on as the kept ones move, and what is made begins behind
+// them.
+TEST(JoinKept, WhatTheMotionHoldsStillIsLeftGently) {
+  const Motion motion = motion_of({{"eyeBlinkLeft", [](std::int64_t) { return 0.25; }}});
+  Motion made = motion_of({{"eyeBlinkLeft", [](std::int64_t n) { return n % 2 == 0 ? 0.9 : 0.6; }}});
+  join_kept(outside(motion, 40, 80), made);
+  for (const std::int64_t n : {39, 40, 79, 80}) EXPECT_EQ(acceleration(made, n), 0) << n;
+  for (const std::int64_t n : {40, 41, 78, 79}) EXPECT_EQ(at(made, n), 0.25) << n;
+  EXPECT_GT(at(made, 45), 0.26);
+  EXPECT_EQ(at(made, 60), static_cast<double>(0.9f)) << "beyond the fade it is the model's";
 }
 
 TEST(JoinKept, DoesNotTouchWhatIsSmoothBesideAJoin) {

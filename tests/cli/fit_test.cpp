@@ -1,10 +1,12 @@
 // mien transfer and mien fit: shapes for another mesh, and coefficients back from its vertices.
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "mien/base/file.h"
 #include "mien/io/character_file.h"
+#include "mien/io/gltf_writer.h"
 #include "mien/io/mesh_file.h"
 #include "mien/io/motion_file.h"
 #include "mien/io/npy.h"
@@ -91,6 +93,62 @@ TEST_F(FitTest, AFolderOfSequencesIsFittedOnceWithASubsetOfVertices) {
   EXPECT_EQ(again.exit_code, 0);
   EXPECT_THAT(again.err, HasSubstr("2 of 2 outputs are there already"));
   EXPECT_TRUE(again.out.empty());
+}
+
+// The optimum of a jump is known: a ramp as steep as is allowed, half of it on either side (the sum of what
+// is left over is 0 along it). SAiD, paper section 3.2: at most 0.1 a frame, from 0 to 1.
+TEST_F(FitTest, RateLimitsAndUnitsAreThoseOfTheCommand) {
+  const Mesh neutral = sheet_mesh(11, 11), open = sheet_mesh(11, 11, 0.3);
+  double square = 0;  // of an offset, mean
+  for (std::size_t v = 0; v < neutral.positions.size(); ++v)
+    square += std::pow(static_cast<double>(open.positions[v].z - neutral.positions[v].z), 2) / 121;
+  const auto sequence = [&](const std::string& name, double unit, const auto& jaw) {
+    NpyArray frames{{20, 121, 3}, {}};
+    for (int n = 0; n < 20; ++n)
+      for (std::size_t v = 0; v < neutral.positions.size(); ++v) {
+        const Vec3 rest = neutral.positions[v], moved = open.positions[v];
+        for (const auto& [from, to] : {std::pair{rest.x, moved.x}, {rest.y, moved.y}, {rest.z, moved.z}})
+          frames.values.push_back(static_cast<float>((from + jaw(n) * (to - from)) / unit));
+      }
+    const Bytes npy = write_npy(frames);
+    ASSERT_TRUE(write_file(in_folder(name), std::span<const std::byte>(npy)));
+  };
+  const auto fitted = [&](const std::string& name, const std::string& face,
+                          std::vector<std::string> more = {}) {
+    std::vector<std::string> words = {"fit",     name,    "--character", face, "--shapes",
+                                      "jawOpen", "--fps", "60",          "-o", "x.json"};
+    words.insert(words.end(), more.begin(), more.end());
+    const auto run = mien(words);
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    const auto motion = read_motion(in_folder("x.json"));
+    EXPECT_TRUE(motion) << motion.error().message();
+    return motion ? motion->values : std::vector<float>();
+  };
+  const auto ramp = [](double most) {
+    std::vector<float> values;
+    for (int n = 0; n < 20; ++n)
+      values.push_back(static_cast<float>(std::clamp(0.4 + most * (n - 9.5), 0.0, 0.8)));
+    return testing::Pointwise(testing::FloatNear(1e-5f), values);
+  };
+  const auto jump = [](int n) { return n < 10 ? 0.0 : 0.8; };
+  sequence("jump.npy", 1, jump);
+  EXPECT_THAT(fitted("jump.npy", "shapes", {"--residuals", "left.csv"}), ramp(0.1));
+  const std::string left(as_text(bytes_of("left.csv")));
+  const auto at = left.find("jump,9,");  // 0.35 of the shape
+  ASSERT_NE(at, std::string::npos) << left;
+  EXPECT_NEAR(std::stod(left.substr(at + 7)), 350 * std::sqrt(square), 0.01);
+  EXPECT_THAT(fitted("jump.npy", "shapes", {"--max-change", "0.2"}), ramp(0.2));
+  sequence("over.npy", 1, [](int) { return 1.4; });
+  EXPECT_THAT(fitted("over.npy", "shapes"), Each(testing::FloatNear(1, 1e-5f)));
+  sequence("under.npy", 1, [](int) { return -0.4; });
+  EXPECT_THAT(fitted("under.npy", "shapes"), Each(testing::FloatNear(0, 1e-5f)));
+  // A character's file is in metres, whatever the sequence is in.
+  const Character face = sheet_face(11, 11);
+  const auto glb = write_glb(face, {.normals = true, .pivot = {}, .extras = {}});
+  ASSERT_TRUE(glb) << glb.error().message();
+  ASSERT_TRUE(write_file(in_folder("face.glb"), std::span<const std::byte>(*glb)));
+  sequence("in_mm.npy", 1e-3, jump);
+  EXPECT_THAT(fitted("in_mm.npy", "face.glb", {"--mm-per-unit", "1"}), ramp(0.1));
 }
 
 // As BlendVOCA: persons with faces of their own, of which the residuals move some vertices.

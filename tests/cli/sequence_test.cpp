@@ -2,9 +2,12 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <map>
 
+#include "mien/audio/load_audio.h"
 #include "mien/base/file.h"
 #include "mien/core/arkit.h"
+#include "mien/core/emotion.h"
 #include "mien/corpus/corpus_reader.h"
 #include "mien/io/character_file.h"
 #include "mien/io/mapped_file.h"
@@ -230,7 +233,7 @@ TEST_F(SequenceTest, DataCheckTellsProblemsByItsExitCode) {
   EXPECT_EQ(mien({"data", "prepare", "BEAT", "--layout", "multiface", "-o", "out"}).exit_code, 2);
 }
 
-// Names, rate and columns are those of BEAT. The third item is the first neutral one of its speaker.
+// Names, rate and columns are those of BEAT (person_emotion_number), and each has its own sound.
 TEST_F(SequenceTest, ACorpusBecomesADataSet) {
   const auto corpus = project_path("tests/data/corpus_fixture");
   const auto run =
@@ -245,20 +248,33 @@ TEST_F(SequenceTest, ACorpusBecomesADataSet) {
   EXPECT_EQ(facts["oddities"].size(), 1) << facts["oddities"];  // too few items for other splits
   const auto reader = CorpusReader::open(corpus);
   ASSERT_TRUE(reader.has_value());
-  const CorpusItem& item = reader->items()[2];
-  const auto takes = reader->takes(item, 1);
-  ASSERT_TRUE(takes.has_value());
-  const Motion& truth = takes->takes.front();
-  const auto file = MappedFile::open(in_folder("synthetic") / "vertices_npy" / (item.speaker + "_0_1.npy"));
-  ASSERT_TRUE(file.has_value());
-  const auto array = read_npy(file->bytes());
-  ASSERT_TRUE(array.has_value());
   const auto names = arkit_order(ArkitOrder::beat);
-  ASSERT_EQ(array->shape, (std::vector<std::int64_t>{(item.num_frames + 1) / 2, std::ssize(names)}));
-  const auto jaw = static_cast<std::size_t>(std::ranges::find(names, "jawOpen") - names.begin());
-  for (const std::size_t n : {0u, 40u, 100u})
-    EXPECT_EQ(array->values[n * names.size() + jaw],
-              truth.values[2 * n * truth.num_channels() + arkit_index("jawOpen")]);
+  const std::map<std::string_view, int> numbers = {{"neutral", 0}, {"happy", 1},    {"angry", 2},
+                                                   {"sad", 3},     {"contempt", 4}, {"surprised", 5},
+                                                   {"fear", 6},    {"disgusted", 7}};
+  std::map<std::string, int> count;
+  for (const CorpusItem& item : reader->items()) {
+    const std::string kind = item.speaker + "_" + std::to_string(numbers.at(name_of(item.emotion)));
+    const std::string name = kind + "_" + std::to_string(++count[kind]);
+    SCOPED_TRACE(item.id + " is " + name);
+    const auto takes = reader->takes(item, 1);
+    ASSERT_TRUE(takes.has_value());
+    const Motion& truth = takes->takes.front();
+    const auto file = MappedFile::open(in_folder("synthetic") / "vertices_npy" / (name + ".npy"));
+    ASSERT_TRUE(file.has_value());
+    const auto array = read_npy(file->bytes());
+    ASSERT_TRUE(array.has_value());
+    ASSERT_EQ(array->shape, (std::vector<std::int64_t>{(item.num_frames + 1) / 2, std::ssize(names)}));
+    for (std::int64_t n = 0; n < array->shape[0]; n += 7)
+      for (std::size_t c = 0; c < names.size(); ++c)
+        ASSERT_EQ(array->values[static_cast<std::size_t>(n) * names.size() + c],
+                  truth.frame(2 * n)[arkit_index(names[c])])
+            << "frame " << n << " " << names[c];
+    const auto sound = load_audio(in_folder("synthetic") / "wav" / (name + ".wav")),
+               own = load_audio(reader->audio_path(item));
+    ASSERT_TRUE(sound.has_value() && own.has_value());
+    EXPECT_EQ(sound->samples, own->samples);
+  }
   EXPECT_EQ(mien({"data", "prepare", corpus.string(), "--layout", "vocaset", "-o", "out"}).exit_code, 2);
 }
 

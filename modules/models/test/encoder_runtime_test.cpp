@@ -160,6 +160,26 @@ TEST_P(FastEncoder, GivesTheSameBitsOnAnyNumberOfThreads) {
   }
 }
 
+// Motion answers most to the convolutions and the projection: what they give the first layer has the bits of
+// bfloat16 (of float32 on a processor without it).
+TEST_P(FastEncoder, InInt8OnlyTheLayersHaveEightBits) {
+  if (!encoder_precision_available(EncoderPrecision::int8)) GTEST_SKIP() << "this processor has no int8";
+  const auto samples = sound(21000);
+  const auto hidden = [&](EncoderPrecision precision) {
+    std::vector<Tensor> all;
+    EncodeOptions options;
+    options.on_hidden = [&](std::int64_t, const Tensor& h) { all.push_back(h); };
+    EXPECT_TRUE(EncoderRuntime(filled<PlainWeights>(config_), precision).encode(samples, options));
+    return all;
+  };
+  const auto front = encoder_precision_available(EncoderPrecision::bfloat16) ? EncoderPrecision::bfloat16
+                                                                             : EncoderPrecision::float32;
+  const auto wide = hidden(front), narrow = hidden(EncoderPrecision::int8);
+  ASSERT_EQ(narrow.size(), 4u);
+  EXPECT_EQ(largest_difference(narrow[0], wide[0]), 0.0);
+  for (std::size_t i = 1; i < narrow.size(); ++i) EXPECT_GT(largest_difference(narrow[i], wide[i]), 0.0) << i;
+}
+
 TEST_P(FastEncoder, WindowsWithAllContextAreExact) {
   const auto samples = sound(30000);
   for (const std::int64_t num_frames : {0, 110}) {

@@ -159,16 +159,8 @@ void add_animate_command(CLI::App& program, Chosen& chosen) {
   command->add_option("--fps", a->fps, "Frames a second, 1 to 240. Default: 60, pictures 30")
       ->check(CLI::Range(1.0, 240.0));
   command->add_option("--size", a->size, "Pixels of pictures: 512 or 640x480")->capture_default_str();
-  command->add_option("--view", a->view, "front, portrait, three-quarter, side or mouth")
-      ->capture_default_str();
-  command->add_option("--times", a->times,
-                      "Instants of a .png in seconds: 0.5,1.25. Default: evenly spread, twelve, or six of "
-                      "several emotions");
-  command
-      ->add_option("--columns", a->columns,
-                   "Pictures in a row of a .png, faces in a row of several side by side, 1 to 64")
-      ->check(CLI::Range(1, 64))
-      ->capture_default_str();
+  add_view_option(*command, a->view);
+  add_sheet_options(*command, a->times, a->columns, "emotions");
   command->add_flag("--allow-silence", a->allow_silence, "Animate a silent recording too: a face at rest");
   command->add_option(
       "--flame", a->flame,

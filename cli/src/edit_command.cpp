@@ -241,8 +241,7 @@ void add_edit_command(CLI::App& program, Chosen& chosen) {
           "timecodes are taken to count at this rate unless they count higher")
       ->check(CLI::Range(1.0, 240.0));
   command->add_option("--size", a->size, "Pixels of pictures: 512 or 640x480")->capture_default_str();
-  command->add_option("--view", a->view, "front, portrait, three-quarter, side or mouth")
-      ->capture_default_str();
+  add_view_option(*command, a->view);
   add_vertex_options(*command, a->vertices);
   add_threads_option(*command, a->threads);
   add_console_options(*command, chosen);

@@ -13,6 +13,23 @@ void add_threads_option(CLI::App& command, int& threads) {
       ->capture_default_str();
 }
 
+void add_view_option(CLI::App& command, std::string& view) {
+  command.add_option("--view", view, "front, portrait, three-quarter, side or mouth")->capture_default_str();
+}
+
+void add_sheet_options(CLI::App& command, std::string& times, int& columns, const std::string& several) {
+  command.add_option(
+      "--times", times,
+      "Instants of a contact sheet (.png) in seconds: 0.5,1.25. Default: evenly spread, twelve, or "
+      "six of several " +
+          several);
+  command
+      .add_option("--columns", columns,
+                  "Pictures in a row of a contact sheet, faces in a row of several side by side, 1 to 64")
+      ->check(CLI::Range(1, 64))
+      ->capture_default_str();
+}
+
 void add_footer(CLI::App& command, std::string_view examples) {
   command.footer(
       "Examples:\n" + std::string(examples) +

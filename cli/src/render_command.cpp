@@ -250,17 +250,8 @@ void add_render_command(CLI::App& program, Chosen& chosen) {
       ->capture_default_str();
   command->add_option("--size", a->size,
                       "Pixels of a picture: 512 or 640x480. Default: 512; 256 in a contact sheet");
-  command->add_option("--view", a->view, "front, portrait, three-quarter, side or mouth")
-      ->capture_default_str();
-  command->add_option(
-      "--times", a->times,
-      "Instants of a contact sheet in seconds: 0.5,1.25. Default: evenly spread, twelve, or six of "
-      "several motions");
-  command
-      ->add_option("--columns", a->columns,
-                   "Pictures in a row of a contact sheet, faces in a row of several side by side, 1 to 64")
-      ->check(CLI::Range(1, 64))
-      ->capture_default_str();
+  add_view_option(*command, a->view);
+  add_sheet_options(*command, a->times, a->columns, "motions");
   command->add_option(
       "--heatmap", a->heat_map,
       "A picture of how far each vertex moves from frame to frame: mean, or std (its spread)");

@@ -4,6 +4,7 @@
 
 #include "benchmark_files.h"
 #include "benchmark_performer.h"
+#include "corpus_reference.h"
 #include "evaluate_coefficients.h"
 #include "evaluate_sequences.h"
 #include "evaluate_takes.h"
@@ -43,12 +44,18 @@ Status evaluate_people(const EvaluateArguments& a, ConsoleProgress& progress) {
   return print(human_table(*report, a.draws), a.form, false);
 }
 
-Status evaluate_corpus(const EvaluateArguments& a, ConsoleProgress& progress) {
-  MIEN_TRY(const auto performer, BenchmarkPerformer::load(a.performer));
-  const SyntheticSystem system = [&](const SyntheticRequest& request) -> Result<std::vector<Motion>> {
+Result<SyntheticSystem> corpus_system(const EvaluateArguments& a) {
+  if (is_corpus_reference(a.performer.model)) return corpus_reference(a.performer.model, a.folder);
+  MIEN_TRY(auto loaded, BenchmarkPerformer::load(a.performer));
+  return SyntheticSystem([performer = std::make_shared<const BenchmarkPerformer>(std::move(loaded))](
+                             const SyntheticRequest& request) -> Result<std::vector<Motion>> {
     MIEN_TRY(const AudioClip clip, load_audio(request.audio));
-    return performer.perform(request.item, clip, request.take_seeds);
-  };
+    return performer->perform(request.item, clip, request.take_seeds);
+  });
+}
+
+Status evaluate_corpus(const EvaluateArguments& a, ConsoleProgress& progress) {
+  MIEN_TRY(const SyntheticSystem system, corpus_system(a));
   SyntheticOptions how;
   how.samples = a.takes;
   how.true_takes = a.true_takes;
@@ -71,8 +78,9 @@ std::shared_ptr<EvaluateArguments> add_common(CLI::App& command, Chosen& chosen)
   command.add_option("FOLDER", a->folder, "Folder of the benchmark")->required();
   command.add_option(
       "--model", a->performer.model,
-      "Model file (.safetensors) of any system that gives ARKit coefficients. Default: the one "
-      "that comes with Mien");
+      "Model file (.safetensors) of any system that gives ARKit coefficients. Default: the one that comes "
+      "with Mien. On a corpus also 'truth' (its generator again: what a perfect model reaches) and 'mean' "
+      "(the mean of 32 true takes: what a perfect regression does)");
   command.add_option("--seed", a->performer.words.seed, "Seed of the first take")->capture_default_str();
   add_face_options(command, a->performer.words, a->performer.face);
   add_said_options(command, a->performer.said);

@@ -204,6 +204,69 @@ TEST_F(FaceTraining, KeptFeaturesGiveTheSameLosses) {
   EXPECT_EQ(losses(again, options, 8, 0, "again"), want);
 }
 
+// Shares of curve and noise by a formula of the test's own (specification, section 3.2, cosine).
+TEST_F(FaceTraining, ADiffusionIsShownTheNoiseOfItsStepAndToldTheStep) {
+  constexpr int kSteps = 20;
+  FaceNetwork network = vertex_diffusion();
+  ASSERT_TRUE(freeze(parameters(network), published_frozen()));
+  FaceTrainingOptions options = without_randomness();
+  options.diffusion_steps = kSteps;
+  FaceStage stage(network, recordings(1), options);
+  const torch::NoGradGuard no_grad;
+  torch::manual_seed(5);
+  for (const auto& e : parameters(network))
+    e.slot->add_(0.1 * torch::randn_like(*e.slot));  // its last layer is 0
+  const FaceSequence sequence = recording(0);
+  const torch::Tensor x0 = torch::tensor(sequence.motion).reshape({1, -1, kWidth}),
+                      noise = torch::linspace(-2, 2, x0.numel()).reshape(x0.sizes());
+  const auto share = [](double i) { return std::pow(std::cos((i / kSteps + 0.008) / 1.008 * M_PI / 2), 2); };
+  double left = 1;
+  std::vector<torch::Tensor> made;
+  for (std::int64_t step = 0; step < kSteps; ++step) {
+    left *= 1 - std::min(1 - share(static_cast<double>(step) + 1) / share(static_cast<double>(step)), 0.999);
+    const torch::Tensor want = std::sqrt(left) * x0 + std::sqrt(1 - left) * noise;
+    EXPECT_LT((stage.diffuse(x0, noise, step) - want).abs().max().item<double>(), 1e-5) << step;
+    made.push_back(stage.estimate(sequence, {step, x0}, nullptr)->motion);
+  }
+  for (std::size_t step = 1; step < made.size(); ++step)
+    EXPECT_FALSE(torch::equal(made[step], made[0])) << "the same curve at step " << step;
+}
+
+// A clip is known by its name, so other sound of the same name shows what is kept.
+TEST_F(FaceTraining, AnEncoderThatIsFrozenHearsAClipOnce) {
+  FaceNetwork network = regression();
+  auto& encoder = network.encoder;
+  for (const auto& e : parameters(encoder)) e.slot->requires_grad_(false);
+  const auto one = recording(0).waveform, other = recording(1).waveform;
+  const EncoderNoise none{false, false, false}, all{};
+  constexpr auto kDevice = torch::kCPU;
+  const auto twice = [&](const EncoderNoise& noise, bool keeps) {
+    ClipEncoder clips(encoder, noise, kDevice, keeps);
+    const torch::Tensor first = clips("a", one, nullptr);
+    EXPECT_FALSE(torch::equal(first, clips("b", other, nullptr))) << "another clip";
+    return torch::equal(first, clips("a", other, nullptr));
+  };
+  EXPECT_TRUE(twice(none, true));
+  EXPECT_TRUE(twice(all, true)) << "the front";
+  EXPECT_FALSE(twice(none, false));
+  ClipEncoder random(encoder, all, kDevice, true), certain(encoder, none, kDevice, true);
+  Rng draw(3);
+  EXPECT_FALSE(torch::equal(random("a", one, &draw), random("a", one, &draw)))
+      << "what is behind the front stays random";
+  EXPECT_TRUE(torch::equal(certain("a", one, &draw), certain("a", one, nullptr)));
+  encoder.layers[0].output_dense.weight.requires_grad_(true);
+  ClipEncoder learning(encoder, none, kDevice, true);
+  const torch::Tensor before = learning("a", one, nullptr).detach();
+  {
+    const torch::NoGradGuard no_grad;
+    encoder.layers[0].output_dense.weight.mul_(1.5);
+  }
+  EXPECT_FALSE(torch::equal(before, learning("a", one, nullptr))) << "a layer that learns is not kept";
+  encoder.layers[0].output_dense.weight.requires_grad_(false);
+  for (const auto& e : parameters(encoder)) e.slot->requires_grad_(true);
+  EXPECT_FALSE(twice(none, true)) << "the convolutions learn";
+}
+
 // An encoder that is frozen and not random is heard once.
 TEST_F(FaceTraining, KeptOutputOfTheEncoderGivesTheSameLosses) {
   FaceTrainingOptions options = without_randomness();

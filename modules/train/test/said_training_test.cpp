@@ -17,10 +17,12 @@ constexpr std::int64_t kWidth = 4;
 
 EncoderConfig small_encoder() { return small_encoder_config(2); }
 
-said::Sizes small_sizes() {
+// The norms have 32 groups: from 64 channels on a group has more than one, and what a step adds to a channel
+// is not taken out again.
+said::Sizes small_sizes(std::int64_t width = 32) {
   said::Sizes s;
   s.num_channels = kWidth;
-  s.width = 32;
+  s.width = width;
   s.context = s.speech = 16;
   s.time = 32;
   s.inner = 32;
@@ -55,8 +57,9 @@ SaidTrainingOptions small_options() {
 }
 
 struct SmallRun {
-  explicit SmallRun(const SaidTrainingOptions& options = small_options(), bool freezes = true)
-      : network{SpeechEncoder<torch::Tensor>(small_encoder()), said::Network<torch::Tensor>(small_sizes())} {
+  explicit SmallRun(const SaidTrainingOptions& options = small_options(), bool freezes = true,
+                    const said::Sizes& sizes = small_sizes())
+      : network{SpeechEncoder<torch::Tensor>(small_encoder()), said::Network<torch::Tensor>(sizes)} {
     initialise_as_published(network, 3);
     for (const auto& e : parameters(network)) *e.slot = e.slot->detach();
     learning = freezes ? parameters(network.head) : parameters(network);
@@ -148,6 +151,39 @@ TEST_F(SaidTraining, NoiseIsLearnt) {
   const Heard error = heard_at(run.network, 10);
   EXPECT_LT(error.own, 0.92 * error.other);
   EXPECT_LT(error.own, 0.95 * error.none);
+}
+
+// Each window has the noise of its own step, and the network is told that step.
+TEST_F(SaidTraining, EstimatesFromTheNoiseOfTheStepThatItTells) {
+  SmallRun run(small_options(), /*freezes=*/true, small_sizes(64));
+  const torch::NoGradGuard no_grad;
+  torch::manual_seed(5);
+  for (const auto& e : run.learning)
+    e.slot->add_(0.1 * torch::randn_like(*e.slot));  // so that it says something
+  const auto size = [](const torch::Tensor& x) { return x.abs().max().item<double>(); };
+  int num_windows = 0;
+  for (std::int64_t step = 0; step < 4; ++step) {
+    SaidBatch batch = run.stage->draw(step);
+    batch.conditioned.assign(batch.steps.size(), 1);
+    const torch::Tensor features = run.stage->encode(batch, nullptr),
+                        made = run.stage->estimate(batch, features, false);
+    EXPECT_TRUE(torch::equal(run.stage->estimate(batch, features, true), made)) << "dropout is 0";
+    for (std::size_t i = 0; i < batch.steps.size(); ++i, ++num_windows) {
+      const auto own = [&](const torch::Tensor& all) {
+        return all.narrow(0, static_cast<std::int64_t>(i), 1);
+      };
+      const auto [left, added] = level_of(batch.steps[i], 50);
+      const auto told = [&](std::int64_t t) {
+        return run.network.head.denoiser(left * own(batch.coefficients) + added * own(batch.noise),
+                                         std::vector<std::int64_t>{t},
+                                         run.network.head.context(own(features)));
+      };
+      const torch::Tensor want = told(batch.steps[i]);
+      EXPECT_LT(size(own(made) - want), 1e-4 * size(want)) << "step " << batch.steps[i];
+      EXPECT_GT(size(told((batch.steps[i] + 10) % 50) - want), 1e-2 * size(want)) << "the step says nothing";
+    }
+  }
+  EXPECT_EQ(num_windows, 12);
 }
 
 TEST_F(SaidTraining, AReportShowsTheAverageAndGoesOnFromTheWeights) {

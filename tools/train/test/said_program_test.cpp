@@ -99,6 +99,17 @@ TEST_F(SaidProgram, MakesAModel) {
   const std::string last = "denoiser.model.out.2.weight";
   EXPECT_EQ(change(*file, *state, last, "average." + last), 0);
   EXPECT_GT(change(*file, *state, last, last), 0);
+  // So is what is validated and exported on the way: a run that ends there delivers the same.
+  write_config("", "", "sound = \"sound\"\n", 2);
+  ASSERT_EQ(train({"config.toml", "--quiet", "--work-folder", "work2", "-o", "two.safetensors"}), 0) << said_;
+  const auto on_the_way = SafetensorsFile::open(folder_ / "work/epoch_1.safetensors"),
+             two = SafetensorsFile::open(folder_ / "two.safetensors"),
+             two_state = SafetensorsFile::open(folder_ / "work2/checkpoint.safetensors");
+  ASSERT_TRUE(on_the_way && two && two_state);
+  EXPECT_EQ(change(*on_the_way, *two_state, last, "average." + last), 0);
+  EXPECT_EQ(change(*on_the_way, *two, last, last), 0);
+  EXPECT_GT(change(*on_the_way, *two_state, last, last), 0);
+  write_config();
   // A finished run has nothing left to do.
   const auto first = read_file(folder_ / "model.safetensors");
   ASSERT_EQ(train({"config.toml", "--snapshot", "snapshot.safetensors"}), 0) << said_;

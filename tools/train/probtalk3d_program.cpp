@@ -172,9 +172,10 @@ Status train_probtalk3d_prior(const ProbTalk3DPriorConfig& config, ConsoleProgre
 Status snapshot_probtalk3d_prior(const ProbTalk3DPriorConfig& config, const std::filesystem::path& path,
                                  ConsoleProgress& progress) {
   MIEN_TRY(PriorRun run, prepare(config, progress));
-  MIEN_TRY(const auto step, load_last_checkpoint(config.run, parameters(*run.prior)));
-  progress.say("checkpoint of step " + std::to_string(step));
-  return write_model(*run.prior, run.description, path);
+  return snapshot_of_stopped(
+      config.run, config.stopping, parameters(*run.prior),
+      [&](const std::filesystem::path& to) { return write_model(*run.prior, run.description, to); }, path,
+      progress);
 }
 
 Status train_probtalk3d(const ProbTalk3DConfig& config, ConsoleProgress& progress) {
@@ -198,9 +199,9 @@ Status train_probtalk3d(const ProbTalk3DConfig& config, ConsoleProgress& progres
 Status snapshot_probtalk3d(const ProbTalk3DConfig& config, const std::filesystem::path& path,
                            ConsoleProgress& progress) {
   MIEN_TRY(TalkingRun run, prepare(config, progress));
-  MIEN_TRY(const auto step, load_last_checkpoint(config.run, run.learning));
-  progress.say("checkpoint of step " + std::to_string(step));
-  return write_model(run, path);
+  return snapshot_of_stopped(
+      config.run, config.stopping, run.learning,
+      [&](const std::filesystem::path& to) { return write_model(run, to); }, path, progress);
 }
 
 }  // namespace mien::train

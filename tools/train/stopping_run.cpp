@@ -22,6 +22,8 @@ std::string report(std::int64_t epoch, const probtalk3d::Validation& v, double f
   return text;
 }
 
+std::filesystem::path best_model(const RunConfig& run) { return run.work_folder / "best.safetensors"; }
+
 // One model file becomes another; both are complete at any time.
 Status copy_model(const std::filesystem::path& from, const std::filesystem::path& to) {
   MIEN_TRY(const Bytes bytes, read_file(from));
@@ -48,7 +50,7 @@ Status run_until_stopped(const RunConfig& run, const StoppingFields& stopping, c
                  "Name a corpus of the split valid in [run] validation, or set patience = 0 and keep = "
                  "\"last\""};
   EarlyStopping state(stopping.monitor, stopping.patience);
-  const auto best = run.work_folder / "best.safetensors";
+  const auto best = best_model(run);
   const auto end_epoch = [&](std::int64_t epoch) -> Status {
     if (!what.has_validation) return Done{};
     MIEN_TRY(const auto valid, what.validate(epoch));
@@ -71,9 +73,21 @@ Status run_until_stopped(const RunConfig& run, const StoppingFields& stopping, c
   return Done{};
 }
 
-Result<std::int64_t> load_last_checkpoint(const RunConfig& run, std::vector<Collect::Entry> learning) {
-  EarlyStopping state(EarlyStopping::Monitor::epoch_mean, 0);
-  return load_stage_average(with_state(std::move(learning), state), run.checkpoint());
+Status snapshot_of_stopped(const RunConfig& run, const StoppingFields& stopping,
+                           std::vector<Collect::Entry> learning,
+                           const std::function<Status(const std::filesystem::path& path)>& write_model,
+                           const std::filesystem::path& path, ConsoleProgress& progress) {
+  // It says how far the run is, and whether it is one of this configuration.
+  EarlyStopping state(stopping.monitor, stopping.patience);
+  MIEN_TRY(const auto step, load_stage_average(with_state(std::move(learning), state), run.checkpoint()));
+  progress.say("checkpoint of step " + std::to_string(step));
+  if (!stopping.keeps_best) return write_model(path);
+  const auto best = best_model(run);
+  if (!std::filesystem::exists(best))
+    return Error{Errc::input, "'" + best.string() + "'", "is absent: no epoch has been validated yet",
+                 "Try again after the first epoch, or set [training] keep = \"last\""};
+  progress.say("the model of the least validation loss so far, from '" + best.string() + "'");
+  return copy_model(best, path);
 }
 
 }  // namespace mien::train

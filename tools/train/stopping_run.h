@@ -32,7 +32,13 @@ struct StoppingRun {
 Status run_until_stopped(const RunConfig& run, const StoppingFields& stopping, const StoppingRun& what,
                          ConsoleProgress& progress);
 
-/// Fills the entries with the weights of the last checkpoint of such a run. Returns its step.
-Result<std::int64_t> load_last_checkpoint(const RunConfig& run, std::vector<Collect::Entry> learning);
+/// What such a run would deliver if it ended now, written to `path`: with keep = "best" the model of the
+/// least figure so far, else that of the last checkpoint.
+/// @param learning     of a network that `write_model` writes
+/// Errors: no checkpoint; (Errc::input) keep = "best" and no epoch has been validated yet.
+Status snapshot_of_stopped(const RunConfig& run, const StoppingFields& stopping,
+                           std::vector<Collect::Entry> learning,
+                           const std::function<Status(const std::filesystem::path& path)>& write_model,
+                           const std::filesystem::path& path, ConsoleProgress& progress);
 
 }  // namespace mien::train

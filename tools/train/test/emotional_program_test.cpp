@@ -183,6 +183,39 @@ TEST_F(EmotionalProgram, StopsWhenTheValidationGetsNoBetter) {
   EXPECT_EQ(num_steps("work1"), 4 * 5);
 }
 
+// With keep = "best" it is the best model so far, whatever the last checkpoint holds.
+TEST_F(EmotionalProgram, ASnapshotIsWhatTheRunWouldDeliver) {
+  const auto write = [&](const std::string& keep, int epochs) {
+    write_prior("mead", "", "patience = 0\nkeep = \"" + keep + "\"\n", epochs);
+  };
+  const auto train_to = [&](const std::string& name, const std::string& work) {
+    ASSERT_EQ(train({"prior.toml", "--quiet", "--work-folder", work, "-o", name}), 0) << said_;
+  };
+  const auto snapshot = [&] {
+    return train({"prior.toml", "--quiet", "--snapshot", "snapshot.safetensors"});
+  };
+  const auto bytes = [&](const std::string& name) { return *read_file(folder_ / name); };
+  write("best", 1);
+  train_to("early.safetensors", "work3");
+  write("best", 3);
+  train_to("late.safetensors", "work1");
+  ASSERT_EQ(snapshot(), 0) << said_;
+  EXPECT_EQ(bytes("snapshot.safetensors"), bytes("late.safetensors"));
+  // As if the first epoch had been the best.
+  fs::copy_file(folder_ / "early.safetensors", folder_ / "work1/best.safetensors",
+                fs::copy_options::overwrite_existing);
+  ASSERT_EQ(snapshot(), 0) << said_;
+  EXPECT_EQ(bytes("snapshot.safetensors"), bytes("early.safetensors"));
+  fs::remove(folder_ / "work1/best.safetensors");
+  EXPECT_EQ(snapshot(), 3) << said_;
+  EXPECT_NE(said_.find("no epoch has been validated"), std::string::npos) << said_;
+  write("last", 3);
+  ASSERT_EQ(snapshot(), 0) << said_;
+  fs::remove_all(folder_ / "work1");
+  train_to("last.safetensors", "work1");
+  EXPECT_EQ(bytes("snapshot.safetensors"), bytes("last.safetensors"));
+}
+
 TEST_F(EmotionalProgram, BothFormsLearnTheCorpusWithANewEncoder) {
   for (const std::string latent : {"codes", "gaussian"}) {
     SCOPED_TRACE(latent);

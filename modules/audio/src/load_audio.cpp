@@ -93,6 +93,10 @@ Result<AudioReader> AudioReader::open(const std::filesystem::path& path) {
   MIEN_TRY(InputFile file, InputFile::open(path));
   std::string name = file.name();
   MIEN_TRY(auto source, open_source(std::move(file)));
+  if (const int rate = source->info().sample_rate_hz; !Resampler::takes(rate))
+    return Error{Errc::input, name,
+                 "has " + std::to_string(rate) + " Hz, and this program was built without soxr",
+                 "Convert it: ffmpeg -i FILE -ac 1 -ar 16000 sound.wav"};
   auto state = std::make_unique<State>(path, std::move(name), std::move(source));
   MIEN_TRY([[maybe_unused]] const Done filled, state->fill(kMinAudioSamples));
   if (state->num_ready() < kMinAudioSamples) {

@@ -38,6 +38,8 @@ struct Resampler::State {
   std::int64_t num_out = 0;
 };
 
+bool Resampler::takes(int) { return true; }
+
 Resampler::Resampler(int input_rate_hz) : state_(std::make_unique<State>(input_rate_hz)) {
   contract(input_rate_hz > 0, "Resampler: rate must be positive");
   if (input_rate_hz == kModelSampleRateHz) return;

@@ -10,7 +10,9 @@ namespace mien {
 /// at the same time as position n * input_rate / 16000 of the input.
 class Resampler {
  public:
-  /// @param input_rate_hz  1000 ... 768000 (checked by the readers)
+  /// Whether this build can change the rate; one without soxr takes 16 kHz alone.
+  static bool takes(int input_rate_hz);
+  /// @param input_rate_hz  1000 ... 768000 (checked by the readers) @pre takes(input_rate_hz)
   explicit Resampler(int input_rate_hz);
   Resampler(Resampler&&) noexcept;
   Resampler& operator=(Resampler&&) noexcept;

@@ -115,6 +115,10 @@ class SequenceReader {
   [[nodiscard]] Result<Motion> read(const fs::path& path) const {
     auto motion = read_motion(path, {.fps = 25});
     if (!motion) return motion.error();
+    const bool is_other = motion->space == MotionSpace::vertices || motion->space == MotionSpace::flame;
+    if (is_other && faces_.character)  // they are not in its millimetres
+      return Error{Errc::usage, "--character",
+                   "is for files of coefficients, which '" + path.string() + "' is not", "Leave it out"};
     if (motion->space == MotionSpace::vertices) return std::move(*motion);
     if (motion->space != MotionSpace::flame) {
       if (!faces_.character)

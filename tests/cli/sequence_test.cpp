@@ -297,6 +297,8 @@ TEST_F(SequenceTest, TakesAreMeasuredTogether) {
   EXPECT_NEAR(values.at("MEE"), 0, 1e-12);
   EXPECT_NEAR(values.at("CE"), values.at("LVE"), 1e-8);
   EXPECT_NEAR(values.at("Diversity"), 2 * values.at("MVE"), 1e-8);
+  EXPECT_EQ(mien({"evaluate", "takes", "takes", "true", "--character", "default"}).exit_code, 2)
+      << "vertices are not in the character's millimetres";
   const auto parameters = mien({"evaluate", "takes", "takes", "absent"});
   EXPECT_EQ(parameters.exit_code, 3);
 }

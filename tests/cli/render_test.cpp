@@ -1,6 +1,9 @@
 // render, inspect and evaluate.
 #include <gmock/gmock.h>
 
+#include <cmath>
+
+#include "mien/core/arkit.h"
 #include "mien/io/motion_file.h"
 #include "mien/render/png.h"
 #include "program.h"
@@ -208,9 +211,27 @@ TEST_F(ProgramTest, EvaluateMeasuresPublishedModelsAndKeepsWhatItCompared) {
   EXPECT_LT(values.at("surface distance"), values.at("MVE"))
       << "the surface is nearer than the vertex's place";
 
-  const auto controls = mien({"evaluate", "controls", "kept/takes", "kept/truth"});
+  const auto controls = mien({"evaluate", "controls", "kept/takes", "kept/truth", "--json"});
   ASSERT_EQ(controls.exit_code, 0) << controls.err;
   EXPECT_THAT(controls.out, HasSubstr("4 sequences")) << "two takes of two items";
+  const auto control_table = nlohmann::json::parse(controls.out);
+  double by_hand = 0;  // of BEAT's 51 by name, at BEAT's rate
+  for (const std::string pair : {"sentence01-1", "sentence01-2", "sentence02-1", "sentence02-2"}) {
+    const auto p = read_motion(in_folder("kept/takes/" + pair + ".csv"), {.fps = 30}),
+               g = read_motion(in_folder("kept/truth/" + pair.substr(0, 10) + ".csv"), {.fps = 30});
+    ASSERT_TRUE(p && g);
+    double frames = 0;
+    for (std::int64_t n = 0; n < g->num_frames(); ++n) {
+      double squares = 0;
+      for (const auto& name : arkit_order(ArkitOrder::beat)) {
+        const auto at = static_cast<std::size_t>(*g->find(name));
+        squares += std::pow(static_cast<double>(p->frame(n)[at]) - static_cast<double>(g->frame(n)[at]), 2);
+      }
+      frames += std::sqrt(squares);
+    }
+    by_hand += frames / static_cast<double>(g->num_frames()) / 4;
+  }
+  EXPECT_NEAR(control_table.at("rows").at(0).at("values").at(0).at("value").get<double>(), by_hand, 1e-7);
 
   words[4] = "mesh.safetensors";
   words.back() = "other";
